@@ -84,6 +84,80 @@ ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
                                                        const espalier_falloff* falloff,
                                                        double* weights);
 
+// ---- Selections along the cells -------------------------------------------------------------
+
+// These functions follow the cells of a lattice (shapes/limb.h, shapes/cell_selection.h):
+// distances, also of falloffs, are measured along the cells. `positions` are those of the vertices
+// of the lattice, and need not be those that the lattice holds.
+
+/// Faces across a lattice: where a limb joins the body.
+typedef struct espalier_section {
+    double area;
+    double center[3];  ///< the mean of the middles of the faces, weighted by their areas
+} espalier_section;
+
+/// Selects the limb at a point, such as an arm with its hand: the part of the lattice beyond its
+/// narrowest section, where it opens into the body, with the vertices of the section.
+/// \param point three numbers, inside or outside the lattice
+/// \param weights receives vertex_count numbers
+/// \param section may be null; receives the section
+/// \retval ESPALIER_ERROR_INPUT the lattice has no limb there: no section is narrow, as in a box
+ESPALIER_C_API espalier_status espalier_select_limb(const espalier_lattice* lattice,
+                                                    int32_t vertex_count, const double* positions,
+                                                    const double point[3],
+                                                    const espalier_falloff* falloff,
+                                                    double* weights, espalier_section* section);
+
+/// Selects the smaller part of the lattice beyond a face between two cells, with the vertices of
+/// the section: the cells that are joined to it on one side of the plane of the face.
+/// \param face as espalier_refiner_cells() numbers it at level 0
+/// \param section may be null
+/// \retval ESPALIER_ERROR_INPUT the face does not exist, or is on the boundary
+ESPALIER_C_API espalier_status espalier_select_beyond(const espalier_lattice* lattice,
+                                                      int32_t vertex_count, const double* positions,
+                                                      int32_t face, const espalier_falloff* falloff,
+                                                      double* weights, espalier_section* section);
+
+/// Gives the face between two cells that is nearest to a point, for espalier_select_beyond().
+/// \retval ESPALIER_ERROR_INPUT no face is between two cells
+ESPALIER_C_API espalier_status espalier_nearest_inner_face(const espalier_lattice* lattice,
+                                                           int32_t vertex_count,
+                                                           const double* positions,
+                                                           const double point[3], int32_t* face);
+
+/// Selects the vertices within a distance of a point along the cells.
+/// \param radius 0 or more
+ESPALIER_C_API espalier_status espalier_select_near(const espalier_lattice* lattice,
+                                                    int32_t vertex_count, const double* positions,
+                                                    const double point[3], double radius,
+                                                    const espalier_falloff* falloff,
+                                                    double* weights);
+
+/// Selects vertices by number, with a falloff along the cells.
+/// \param numbers 0 to vertex_count − 1; repeated numbers count once
+ESPALIER_C_API espalier_status espalier_select_along_cells(
+    const espalier_lattice* lattice, int32_t vertex_count, const double* positions,
+    int64_t number_count, const int32_t* numbers, const espalier_falloff* falloff, double* weights);
+
+/// Grows or shrinks a selection along the edges. Vertices with a weight above 0 are selected; the
+/// new weights are 0 and 1.
+/// \param steps number of edges; below 0 the selection shrinks
+/// \param weights vertex_count numbers, 0 to 1, which are replaced
+ESPALIER_C_API espalier_status espalier_selection_grow(const espalier_lattice* lattice,
+                                                       int32_t vertex_count, int32_t steps,
+                                                       double* weights);
+
+/// Gives the section between the vertices with a weight above 0 and the rest. Its middle is the
+/// joint about which a selected limb turns.
+/// \param weights vertex_count numbers, 0 to 1, without a falloff
+/// \retval ESPALIER_ERROR_INPUT no vertex or all vertices are selected, or no face has selected
+///         vertices only
+ESPALIER_C_API espalier_status espalier_selection_border(const espalier_lattice* lattice,
+                                                         int32_t vertex_count,
+                                                         const double* positions,
+                                                         const double* weights,
+                                                         espalier_section* section);
+
 // ---- Operations -----------------------------------------------------------------------------
 
 /// The positions that an operation moves, its centre and its range. Start from

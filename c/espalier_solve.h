@@ -81,6 +81,85 @@ ESPALIER_C_API espalier_status espalier_lattice_fit(
     const int32_t* rows, const double* misses, const espalier_fit_options* options,
     int32_t vertex_count, double* displacements, espalier_fit_quality* quality);
 
+// ---- Pulling --------------------------------------------------------------------------------
+
+/// Options of a pull. Start from espalier_default_pull_options(), and change fields.
+typedef struct espalier_pull_options {
+    size_t size;            ///< sizeof(espalier_pull_options)
+    int64_t frozen_count;   ///< default 0
+    const int32_t* frozen;  ///< vertices that do not move: frozen_count numbers
+    int64_t pin_count;      ///< default 0
+    const int32_t* pins;  ///< the points that are to stay: pin_count numbers, 0 to point_count − 1
+    double
+        reach;  ///< vertices that are farther from all pulled points, without the pins, than this
+                ///< part of the distance of the farthest one do not move: 0 to 1; default 0.5
+    double tolerance;        ///< the iteration ends when no vertex moves by more than this part of
+                             ///< the diagonal of the lattice: 0 or more; default 1e-6
+    int32_t max_iterations;  ///< 1 or more; default 500. For one frame of a drag 20 are enough
+} espalier_pull_options;
+
+static inline espalier_pull_options espalier_default_pull_options(void) {
+    espalier_pull_options options;
+    options.size = sizeof options;
+    options.frozen_count = 0;
+    options.frozen = NULL;
+    options.pin_count = 0;
+    options.pins = NULL;
+    options.reach = 0.5;
+    options.tolerance = 1e-6;
+    options.max_iterations = 500;
+    return options;
+}
+
+/// Pulls points of a model while the cells of the lattice stay as rigid as they can: a pulled hand
+/// bends its arm (solve/rigid_pull.h). Immutable.
+typedef struct espalier_pull espalier_pull;
+
+/// Prepares pulls of some points: factors the matrix of the vertices, for any number of targets.
+///
+/// \param positions rest positions of the vertices of the lattice, 3 · vertex_count numbers
+/// \param deformation D: points × vertices of the lattice
+/// \param point_count number of points that are pulled or pinned
+/// \param rows the rows of D of these points; null for all rows, in order
+/// \param options null for the defaults
+/// \retval ESPALIER_ERROR_INPUT a row does not exist or is empty; sizes do not match; positions
+///         or weights are not finite; options are out of range; a frozen vertex or a pin does not
+///         exist; only frozen vertices move a pulled point
+/// \cost a sparse Cholesky factorization over the vertices, and a solution with it for each point
+ESPALIER_C_API espalier_status espalier_pull_create(const espalier_lattice* lattice,
+                                                    int32_t vertex_count, const double* positions,
+                                                    const espalier_table* deformation,
+                                                    int32_t point_count, const int32_t* rows,
+                                                    const espalier_pull_options* options,
+                                                    espalier_pull** pull);
+ESPALIER_C_API void espalier_pull_destroy(espalier_pull* pull);
+
+/// Gives the vertices that do not move: frozen ones, and those beyond the reach; ascending.
+ESPALIER_C_API espalier_status espalier_pull_fixed(const espalier_pull* pull, int32_t* vertex_count,
+                                                   const int32_t** vertices);
+
+/// How well a pull reaches its targets.
+typedef struct espalier_pull_quality {
+    double largest_miss;  ///< largest distance of a point from its target
+    double rms_miss;      ///< root mean square of these distances
+    double energy;        ///< 0 for a rigid motion; see solve/rigid_pull.h
+    int32_t iterations;
+} espalier_pull_quality;
+
+/// Finds the displacements of the vertices for some targets.
+///
+/// \param misses for each point, its target minus its rest position: 3 · point_count numbers
+/// \param start displacements to start from, 3 · vertex_count numbers, such as those of the last
+///        frame of a drag; null to start from rest. May be the same array as `displacements`
+/// \param displacements receives 3 · vertex_count numbers
+/// \param quality may be null
+/// \retval ESPALIER_ERROR_INPUT sizes do not match; a miss or a start is not finite
+/// \cost 0.1 to 0.2 ms for each iteration in a lattice of 500 vertices
+ESPALIER_C_API espalier_status espalier_pull_solve(const espalier_pull* pull, int32_t point_count,
+                                                   const double* misses, int32_t vertex_count,
+                                                   const double* start, double* displacements,
+                                                   espalier_pull_quality* quality);
+
 // ---- Holding --------------------------------------------------------------------------------
 
 /// How the part that is held joins the part that moves (embed/continuity.h).

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/pose_file.h>
+#include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #include "espalier_pose.h"
 #include "handles.h"
@@ -31,6 +36,38 @@ espalier_status select(std::int32_t count, const double* given, const espalier_f
         const shapes::Falloff decrease = falloffOf(falloff);
         std::ranges::copy(select(from, decrease), to.begin());
     });
+}
+
+/// Writes the weights that select(complex, positions, falloff) returns.
+template <class Select>
+espalier_status selectAlong(const espalier_lattice* lattice, std::int32_t count,
+                            const double* given, const espalier_falloff* falloff, double* weights,
+                            const Select& select) {
+    return guarded([&] {
+        const auto& complex = deref(lattice, "lattice").lattice.complex;
+        const auto from = positions(given, count, "positions");
+        const auto to = array(weights, count, "weights");
+        const shapes::Falloff decrease = falloffOf(falloff);
+        std::ranges::copy(select(complex, from, decrease), to.begin());
+    });
+}
+
+void put(const shapes::Section& from, espalier_section* to) {
+    if (to == nullptr) return;
+    to->area = from.area;
+    std::ranges::copy(from.center, to->center);
+}
+
+/// Returns the vertices with a weight above 0.
+std::vector<Index> selectedBy(const double* weights, std::int32_t count) {
+    const auto given = array(weights, count, "weights");
+    std::vector<Index> vertices;
+    for (std::size_t v = 0; v < given.size(); ++v) {
+        if (!(given[v] >= 0 && given[v] <= 1))
+            throw Error(concat("weights[", v, "] is ", given[v], "; expected 0 to 1"));
+        if (given[v] > 0) vertices.push_back(static_cast<Index>(v));
+    }
+    return vertices;
 }
 
 shapes::pose::Options optionsOf(std::int32_t count, const espalier_pose_options* options) {
@@ -117,6 +154,92 @@ espalier_status espalier_select_numbers(int32_t vertex_count, const double* posi
                          return shapes::selectNumbers(
                              from, c::array(numbers, number_count, "numbers"), decrease);
                      });
+}
+
+espalier_status espalier_select_limb(const espalier_lattice* lattice, int32_t vertex_count,
+                                     const double* positions, const double point[3],
+                                     const espalier_falloff* falloff, double* weights,
+                                     espalier_section* section) {
+    return c::selectAlong(
+        lattice, vertex_count, positions, falloff, weights,
+        [&](const auto& complex, const auto& from, const auto& decrease) {
+            const auto limb = shapes::selectLimb(complex, from, c::point(point, "point"));
+            auto result = shapes::selectAlongCells(complex, from, limb.vertices, decrease);
+            c::put(limb.section, section);
+            return result;
+        });
+}
+
+espalier_status espalier_select_beyond(const espalier_lattice* lattice, int32_t vertex_count,
+                                       const double* positions, int32_t face,
+                                       const espalier_falloff* falloff, double* weights,
+                                       espalier_section* section) {
+    return c::selectAlong(lattice, vertex_count, positions, falloff, weights,
+                          [&](const auto& complex, const auto& from, const auto& decrease) {
+                              const auto part = shapes::selectBeyond(complex, from, face);
+                              auto result =
+                                  shapes::selectAlongCells(complex, from, part.vertices, decrease);
+                              c::put(part.section, section);
+                              return result;
+                          });
+}
+
+espalier_status espalier_nearest_inner_face(const espalier_lattice* lattice, int32_t vertex_count,
+                                            const double* positions, const double point[3],
+                                            int32_t* face) {
+    return c::result(face, "face", [&] {
+        return shapes::nearestInnerFace(c::deref(lattice, "lattice").lattice.complex,
+                                        c::positions(positions, vertex_count, "positions"),
+                                        c::point(point, "point"));
+    });
+}
+
+espalier_status espalier_select_near(const espalier_lattice* lattice, int32_t vertex_count,
+                                     const double* positions, const double point[3], double radius,
+                                     const espalier_falloff* falloff, double* weights) {
+    return c::selectAlong(lattice, vertex_count, positions, falloff, weights,
+                          [&](const auto& complex, const auto& from, const auto& decrease) {
+                              return shapes::selectNear(complex, from, c::point(point, "point"),
+                                                        radius, decrease);
+                          });
+}
+
+espalier_status espalier_select_along_cells(const espalier_lattice* lattice, int32_t vertex_count,
+                                            const double* positions, int64_t number_count,
+                                            const int32_t* numbers, const espalier_falloff* falloff,
+                                            double* weights) {
+    return c::selectAlong(lattice, vertex_count, positions, falloff, weights,
+                          [&](const auto& complex, const auto& from, const auto& decrease) {
+                              return shapes::selectAlongCells(
+                                  complex, from, c::array(numbers, number_count, "numbers"),
+                                  decrease);
+                          });
+}
+
+espalier_status espalier_selection_grow(const espalier_lattice* lattice, int32_t vertex_count,
+                                        int32_t steps, double* weights) {
+    return c::guarded([&] {
+        const auto& complex = c::deref(lattice, "lattice").lattice.complex;
+        c::checkCount(vertex_count, complex.count(0), "weights of vertices");
+        const auto before = c::selectedBy(weights, vertex_count);
+        // −steps overflows for the smallest number; as many steps as vertices reach all.
+        const int count = std::min(std::abs(std::max(steps, -INT32_MAX)), vertex_count);
+        const auto after = steps < 0 ? shapes::shrinkSelection(complex, before, count)
+                                     : shapes::growSelection(complex, before, count);
+        std::fill_n(weights, vertex_count, 0.0);
+        for (const Index vertex : after) weights[vertex] = 1;
+    });
+}
+
+espalier_status espalier_selection_border(const espalier_lattice* lattice, int32_t vertex_count,
+                                          const double* positions, const double* weights,
+                                          espalier_section* section) {
+    return c::guarded([&] {
+        auto& out = c::deref(section, "section");
+        const auto& complex = c::deref(lattice, "lattice").lattice.complex;
+        const auto from = c::positions(positions, vertex_count, "positions");
+        c::put(shapes::selectionBorder(complex, from, c::selectedBy(weights, vertex_count)), &out);
+    });
 }
 
 espalier_status espalier_pose_move(int32_t vertex_count, const double* positions,

@@ -2,6 +2,7 @@
 // Implements espalier_solve.h: fitting, holding and validity.
 #include <espalier/embed/continuity.h>
 #include <espalier/solve/lattice_fit.h>
+#include <espalier/solve/rigid_pull.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 
@@ -26,8 +27,25 @@ struct espalier_validity {
     solve::ValidityCheck check;
 };
 
+struct espalier_pull {
+    solve::RigidPull pull;
+    std::int32_t vertexCount = 0;
+};
+
 namespace espalier::c {
 namespace {
+
+solve::RigidPullOptions pullOptions(const espalier_pull_options& chosen) {
+    solve::RigidPullOptions options;
+    const auto frozen = array(chosen.frozen, chosen.frozen_count, "frozen");
+    options.frozen.assign(frozen.begin(), frozen.end());
+    const auto pins = array(chosen.pins, chosen.pin_count, "pins");
+    options.pins.assign(pins.begin(), pins.end());
+    options.reach = chosen.reach;
+    options.tolerance = chosen.tolerance;
+    options.maxIterations = chosen.max_iterations;
+    return options;
+}
 
 solve::FitOptions fitOptions(const espalier_fit_options& chosen) {
     solve::FitOptions options;
@@ -110,6 +128,53 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         std::memcpy(displacements, fit.displacements.data(),
                     fit.displacements.size() * sizeof(Point3));
         if (quality != nullptr) *quality = {fit.largestMiss, fit.rmsMiss, fit.condition};
+    });
+}
+
+espalier_status espalier_pull_create(const espalier_lattice* lattice, int32_t vertex_count,
+                                     const double* positions, const espalier_table* deformation,
+                                     int32_t point_count, const int32_t* rows,
+                                     const espalier_pull_options* options, espalier_pull** pull) {
+    return c::result(pull, "pull", [&] {
+        const auto& complex = c::deref(lattice, "lattice").lattice.complex;
+        const auto& table = *c::deref(deformation, "deformation").table;
+        const auto rest = c::positions(positions, vertex_count, "positions");
+        const auto chosen = c::pullOptions(c::optionsOrDefaults(
+            options, espalier_default_pull_options(), "espalier_default_pull_options"));
+        return c::withRows(table, point_count, rows, "points", [&](const auto& some) {
+            return new espalier_pull{solve::RigidPull(complex, rest, some, chosen), vertex_count};
+        });
+    });
+}
+
+void espalier_pull_destroy(espalier_pull* pull) {
+    delete pull;
+}
+
+espalier_status espalier_pull_fixed(const espalier_pull* pull, int32_t* vertex_count,
+                                    const int32_t** vertices) {
+    return c::guarded([&] {
+        const auto& fixed = c::deref(pull, "pull").pull.fixedVertices();
+        auto& outCount = c::deref(vertex_count, "vertex_count");
+        c::deref(vertices, "vertices") = fixed.data();
+        outCount = static_cast<std::int32_t>(fixed.size());
+    });
+}
+
+espalier_status espalier_pull_solve(const espalier_pull* pull, int32_t point_count,
+                                    const double* misses, int32_t vertex_count, const double* start,
+                                    double* displacements, espalier_pull_quality* quality) {
+    return c::guarded([&] {
+        const auto& own = c::deref(pull, "pull");
+        c::checkCount(vertex_count, own.vertexCount, "vertices in the array for the result");
+        c::array(displacements, vertex_count, "displacements", 3);
+        const auto from =
+            start == nullptr ? std::vector<Point3>() : c::positions(start, vertex_count, "start");
+        const auto pose = own.pull.solve(c::positions(misses, point_count, "misses"), from);
+        std::memcpy(displacements, pose.displacements.data(),
+                    pose.displacements.size() * sizeof(Point3));
+        if (quality != nullptr)
+            *quality = {pose.largestMiss, pose.rmsMiss, pose.energy, pose.iterations};
     });
 }
 

@@ -414,13 +414,13 @@ RigidPose RigidPull::solve(std::span<const Point3> misses, std::span<const Point
     if (start.empty())
         moved = data.startFrom(misses);
     else
-        for (std::size_t v = 0; v < start.size(); ++v)
-            if (data.freeOf[v] >= 0) {
-                if (!(length(start[v]) <= kMaxSize))
-                    throw Error(concat("the displacement of vertex ", v,
-                                       " to start from is not finite or larger than 1e90"));
+        for (std::size_t v = 0; v < start.size(); ++v) {
+            if (!(length(start[v]) <= kMaxSize))
+                throw Error(concat("the displacement of vertex ", v,
+                                   " to start from is not finite or larger than 1e90"));
+            if (data.freeOf[v] >= 0)
                 moved.row(static_cast<Eigen::Index>(v)) = vectorOf(start[v]).transpose();
-            }
+        }
     std::vector<Eigen::Matrix3d> rotations;
     while (pose.iterations < data.options.maxIterations) {
         checkCancelled();

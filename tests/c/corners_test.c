@@ -67,10 +67,12 @@ static espalier_binding* made_binding;
 static espalier_table* made_table;
 static espalier_validity* made_validity;
 static espalier_model* made_model;
+static espalier_pull* made_pull;
 
 /* Counts a call, and destroys the object that it made. */
 static int record(espalier_status status) {
     espalier_lattice_destroy(made_lattice), made_lattice = NULL;
+    espalier_pull_destroy(made_pull), made_pull = NULL;
     espalier_refiner_destroy(made_refiner), made_refiner = NULL;
     espalier_binding_destroy(made_binding), made_binding = NULL;
     espalier_table_destroy(made_table), made_table = NULL;
@@ -519,6 +521,43 @@ static void test_poses(void) {
     }
 }
 
+static void test_selections_along_cells(void) {
+    const int32_t zero = 0;
+    const int32_t n = BOX_VERTICES;
+    espalier_section section;
+    int32_t face;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t odd = int32s[i];
+        const espalier_falloff falloff = {odd, 1};
+        record(espalier_select_near(lattice, n, positions, point, 1, &falloff, values));
+        record(espalier_select_beyond(lattice, n, positions, odd, NULL, values, &section));
+        record(espalier_select_along_cells(lattice, n, positions, 1, &odd, NULL, values));
+        record(espalier_selection_grow(lattice, n, odd, values));
+        if (odd == n || odd > 28) continue;
+        REFUSES(espalier_select_limb(lattice, odd, positions, point, NULL, values, &section));
+        REFUSES(espalier_select_beyond(lattice, odd, positions, 0, NULL, values, NULL));
+        REFUSES(espalier_nearest_inner_face(lattice, odd, positions, point, &face));
+        REFUSES(espalier_select_near(lattice, odd, positions, point, 1, NULL, values));
+        REFUSES(espalier_select_along_cells(lattice, odd, positions, 0, NULL, NULL, values));
+        REFUSES(espalier_selection_grow(lattice, odd, 1, values));
+        REFUSES(espalier_selection_border(lattice, odd, positions, values, &section));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(
+            espalier_select_along_cells(lattice, n, positions, lengths[i], &zero, NULL, values));
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double d = doubles[i], odd[3] = {0, d, 0};
+        const espalier_falloff falloff = {0, d};
+        record(espalier_select_limb(lattice, n, positions, odd, &falloff, values, &section));
+        record(espalier_nearest_inner_face(lattice, n, positions, odd, &face));
+        record(espalier_select_near(lattice, n, positions, odd, d, &falloff, values));
+        values[0] = d;
+        record(espalier_selection_border(lattice, n, positions, values, &section));
+        record(espalier_selection_grow(lattice, n, 1, values));
+        values[0] = 0;
+    }
+}
+
 static void test_models(void) {
     static const char four[] =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
@@ -761,6 +800,63 @@ static void try_limit_stencils(int32_t level, int32_t count, int32_t cell, doubl
     }
 }
 
+static void try_pull(int32_t vertices, int32_t points, const int32_t* rows,
+                     const espalier_pull_options* options) {
+    record(espalier_pull_create(lattice, vertices, positions, table, points, rows, options,
+                                &made_pull));
+}
+
+static void test_pull(void) {
+    const int32_t zero = 0;
+    const int32_t n = BOX_VERTICES;
+    espalier_pull* pull = NULL;
+    OK(espalier_pull_create(lattice, n, positions, table, 1, NULL, NULL, &pull));
+    const int32_t* fixed;
+    int32_t count;
+    OK(espalier_pull_fixed(pull, &count, &fixed));
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t odd = int32s[i];
+        espalier_pull_options options = espalier_default_pull_options();
+        try_pull(odd, 1, NULL, NULL);
+        try_pull(n, odd, NULL, NULL);
+        if (odd <= 1) try_pull(n, odd, &zero, NULL);
+        try_pull(n, 1, &odd, NULL);
+        options.frozen = &odd;
+        options.frozen_count = 1;
+        try_pull(n, 1, NULL, &options);
+        options = espalier_default_pull_options();
+        options.pins = &odd;
+        options.pin_count = 1;
+        try_pull(n, 1, NULL, &options);
+        options = espalier_default_pull_options();
+        options.max_iterations = odd;
+        try_pull(n, 1, NULL, &options);
+        if (odd <= 28) record(espalier_pull_solve(pull, odd, point, n, NULL, values, NULL));
+        record(espalier_pull_solve(pull, 1, point, odd, NULL, values, NULL));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        for (int field = 0; field < 2; ++field) {
+            espalier_pull_options options = espalier_default_pull_options();
+            options.frozen = options.pins = &zero;
+            *(field == 0 ? &options.frozen_count : &options.pin_count) = lengths[i];
+            try_pull(n, 1, NULL, &options);
+        }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0, doubles[i], 0};
+        espalier_pull_options options = espalier_default_pull_options();
+        options.reach = doubles[i];
+        try_pull(n, 1, NULL, &options);
+        options = espalier_default_pull_options();
+        options.tolerance = doubles[i];
+        try_pull(n, 1, NULL, &options);
+        record(espalier_pull_solve(pull, 1, odd, n, NULL, values, NULL));
+    }
+    espalier_pull_options options = espalier_default_pull_options();
+    options.size = 1;
+    REFUSES(espalier_pull_create(lattice, n, positions, table, 1, NULL, &options, &made_pull));
+    espalier_pull_destroy(pull);
+}
+
 static void test_limit_stencils(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
@@ -862,10 +958,12 @@ int main(void) {
     test_shapes();
     test_inventory();
     test_poses();
+    test_selections_along_cells();
     test_models();
     test_editing();
     test_nested();
     test_fit();
+    test_pull();
     test_limit_stencils();
     test_hold();
     test_validity();

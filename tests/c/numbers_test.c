@@ -180,6 +180,40 @@ static void test_poses(void) {
     FINITE(z[0], "direction: expected", espalier_select_end(N, positions, z, &falloff, weights));
     SELECTED(espalier_select_numbers(N, positions, 1, cells, &falloff, weights));
 
+    double chosen[N] = {0, 0.5, 1}, point[3] = {0.2, 0.2, 0.5};
+    int32_t face = 0;
+    espalier_section section;
+#define ALONG_CELLS(select)                        \
+    FINITE(positions[3], "positions[1] ", select); \
+    FINITE(point[0], "point: expected", select)
+    ALONG_CELLS(espalier_nearest_inner_face(lattice, N, positions, point, &face));
+    ALONG_CELLS(espalier_select_near(lattice, N, positions, point, radius, &falloff, weights));
+    SELECTED(espalier_select_near(lattice, N, positions, point, radius, &falloff, weights));
+    FINITE(radius, "radius: expected",
+           espalier_select_near(lattice, N, positions, point, radius, &falloff, weights));
+    SELECTED(espalier_select_along_cells(lattice, N, positions, 1, cells, &falloff, weights));
+    SELECTED(espalier_select_beyond(lattice, N, positions, face, &falloff, weights, &section));
+    OK(espalier_select_beyond(lattice, N, positions, face, NULL, weights, NULL));
+    FINITE(positions[3], "positions[1] ",
+           espalier_selection_border(lattice, N, positions, weights, &section));
+    FINITE(weights[0], "weights[0] is ",
+           espalier_selection_border(lattice, N, positions, weights, &section));
+    FINITE(chosen[1], "weights[1] is ", espalier_selection_grow(lattice, N, 1, chosen));
+    /* The box has no limb; a barbell has two. */
+    espalier_lattice* barbell = NULL;
+    OK(espalier_lattice_create_barbell(NULL, &barbell));
+    int32_t count = 0;
+    const double* places = NULL;
+    OK(espalier_lattice_positions(barbell, &count, &places));
+    double ends[3 * 64], limb[64], end[3] = {-3, 0, 0};
+    CHECK(count <= 64);
+    memcpy(ends, places, 3 * sizeof(double) * (size_t)count);
+#define LIMB espalier_select_limb(barbell, count, ends, end, &falloff, limb, &section)
+    FINITE(ends[3], "positions[1] ", LIMB);
+    FINITE(end[1], "point: expected", LIMB);
+    FINITE(falloff.radius, "radius: expected", LIMB);
+    espalier_lattice_destroy(barbell);
+
     double x[3] = {1, 0, 0}, given[N], center[3] = {0, 0, 0}, range[2] = {0, 1}, number = 0.5;
     for (int v = 0; v < N; ++v) given[v] = 1;
     espalier_pose_options options = espalier_default_pose_options();
@@ -277,6 +311,20 @@ static void test_bindings(void) {
 #define FIT espalier_lattice_fit(child, lattice, 2, NULL, misses, &fit, N, displacements, NULL)
     FINITE(misses[4], "the target of point 1 is not finite", FIT);
     FINITE(fit.strength, "strength: expected", FIT);
+    espalier_pull_options options = espalier_default_pull_options();
+    espalier_pull* made_pull = NULL;
+#define PULL                                             \
+    (espalier_pull_destroy(made_pull), made_pull = NULL, \
+     espalier_pull_create(lattice, N, positions, child, 2, NULL, &options, &made_pull))
+    FINITE(positions[5], "the position of vertex 1 is not finite", PULL);
+    FINITE(options.reach, "reach: expected", PULL);
+    FINITE(options.tolerance, "tolerance: expected", PULL);
+    OK(PULL);
+    double start[3 * N] = {0};
+#define SOLVE espalier_pull_solve(made_pull, 2, misses, N, start, displacements, NULL)
+    FINITE(misses[4], "the target of point 1 is not finite", SOLVE);
+    FINITE(start[3], "the displacement of vertex 1 to start from", SOLVE);
+    espalier_pull_destroy(made_pull);
     espalier_table_destroy(child);
     espalier_binding_destroy(bound);
 

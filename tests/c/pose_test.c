@@ -42,6 +42,59 @@ static void test_selections(void) {
     OK(espalier_select_box(0, NULL, low, high, NULL, NULL));
 }
 
+/* Selections along the cells of the box, which has no limb. */
+static void test_selections_along_cells(void) {
+    double weights[N];
+    espalier_lattice* lattice;
+    espalier_section section = {-1, {-1, -1, -1}};
+    OK(espalier_lattice_create_hexahedra(N, rest, BOX_CELLS, cells, &lattice));
+    for (int v = 0; v < N; ++v) weights[v] = -7;
+    INVALID(espalier_select_limb(lattice, N, rest, zero, NULL, weights, &section),
+            "the lattice has no limb at (0, 0, 0)");
+    CHECK(weights[0] == -7 && section.area == -1);
+    const double middle[3] = {0.3, 0.3, 0.5};
+    int32_t face;
+    OK(espalier_nearest_inner_face(lattice, N, rest, middle, &face));
+    OK(espalier_select_beyond(lattice, N, rest, face, NULL, weights, &section));
+    CHECK(fabs(section.area - 1) < tolerance);
+    for (int k = 0; k < 3; ++k) CHECK(fabs(section.center[k] - 0.5) < tolerance);
+    int selected = 0;
+    for (int v = 0; v < N; ++v) selected += weights[v] == 1;
+    CHECK(selected == 18);
+    OK(espalier_selection_border(lattice, N, rest, weights, &section));
+    CHECK(fabs(section.area - 1) < tolerance);
+
+    /* Vertex 0, its three neighbours, and those of its cells. */
+    const int32_t corner = 0;
+    const espalier_falloff falloff = {ESPALIER_FALLOFF_LINEAR, 1};
+    OK(espalier_select_along_cells(lattice, N, rest, 1, &corner, &falloff, weights));
+    CHECK(weights[0] == 1 && fabs(weights[1] - 0.5) < tolerance && weights[2] == 0);
+    OK(espalier_select_near(lattice, N, rest, zero, 0.5, NULL, weights));
+    for (int v = 0; v < N; ++v) CHECK(weights[v] == (v == 0 || v == 1 || v == 3 || v == 9));
+    OK(espalier_selection_grow(lattice, N, -1, weights));
+    for (int v = 0; v < N; ++v) CHECK(weights[v] == (v == 0));
+    OK(espalier_selection_grow(lattice, N, 1, weights));
+    for (int v = 0; v < N; ++v) CHECK(weights[v] == (v == 0 || v == 1 || v == 3 || v == 9));
+    OK(espalier_selection_grow(lattice, N, INT32_MAX, weights));
+    for (int v = 0; v < N; ++v) CHECK(weights[v] == 1);
+    INVALID(espalier_selection_border(lattice, N, rest, weights, &section),
+            "the selection has no border");
+    OK(espalier_selection_grow(lattice, N, INT32_MIN, weights));
+    CHECK(weights[0] == 1); /* no vertex is outside */
+
+    INVALID(espalier_select_limb(NULL, N, rest, zero, NULL, weights, NULL), "lattice is null");
+    INVALID(espalier_select_limb(lattice, N, rest, NULL, NULL, weights, NULL), "point is null");
+    INVALID(espalier_select_beyond(lattice, N, rest, -1, NULL, weights, NULL),
+            "face: expected 0 to 35, got -1");
+    INVALID(espalier_select_near(lattice, N, rest, zero, -1, NULL, weights),
+            "radius: expected a finite number of 0 or more, got -1");
+    INVALID(espalier_select_near(lattice, 1, rest, zero, 1, NULL, weights), "got 1 positions");
+    INVALID(espalier_selection_grow(lattice, 3, 1, weights), "got 3 weights of vertices");
+    INVALID(espalier_selection_border(lattice, N, rest, weights, NULL), "section is null");
+    INVALID(espalier_nearest_inner_face(lattice, N, rest, middle, NULL), "face is null");
+    espalier_lattice_destroy(lattice);
+}
+
 static void test_bad_selections(void) {
     double weights[N];
     for (int v = 0; v < N; ++v) weights[v] = -7;
@@ -248,6 +301,7 @@ int main(int count, char** arguments) {
     CHECK(count == 2);
     make_box(rest, cells);
     test_selections();
+    test_selections_along_cells();
     test_bad_selections();
     test_operations();
     test_options();

@@ -77,6 +77,66 @@ static void test_fit(void) {
         "displacements is null");
 }
 
+/* Two points move rigidly, so the lattice does; frozen vertices and pins stay. */
+static void test_pull(void) {
+    const double misses[3 * POINTS] = {0.1, 0, -0.2, 0.1, 0, -0.2};
+    double moved[3 * BOX_VERTICES], carried[3 * POINTS];
+    espalier_pull_options options = espalier_default_pull_options();
+    options.reach = 1;
+    espalier_pull* pull;
+    OK(espalier_pull_create(lattice, BOX_VERTICES, rest, table, POINTS, NULL, &options, &pull));
+    const int32_t* fixed;
+    int32_t count;
+    OK(espalier_pull_fixed(pull, &count, &fixed));
+    CHECK(count == 0);
+    espalier_pull_quality quality;
+    OK(espalier_pull_solve(pull, POINTS, misses, BOX_VERTICES, NULL, moved, &quality));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(fabs(moved[i] - misses[i % 3]) < 1e-9);
+    CHECK(quality.largest_miss < 1e-9 && quality.rms_miss < 1e-9 && quality.energy < 1e-12);
+    CHECK(quality.iterations >= 1);
+    /* From the pose before, which is the result. */
+    OK(espalier_pull_solve(pull, POINTS, misses, BOX_VERTICES, moved, moved, NULL));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(fabs(moved[i] - misses[i % 3]) < 1e-9);
+    moved[0] = -7;
+    INVALID(espalier_pull_solve(pull, 1, misses, BOX_VERTICES, NULL, moved, NULL),
+            "got 1 targets for 2 points");
+    INVALID(espalier_pull_solve(pull, POINTS, misses, 3, NULL, moved, NULL), "got 3 vertices");
+    INVALID(espalier_pull_solve(pull, POINTS, NULL, BOX_VERTICES, NULL, moved, NULL),
+            "misses is null");
+    INVALID(espalier_pull_solve(NULL, POINTS, misses, BOX_VERTICES, NULL, moved, NULL),
+            "pull is null");
+    CHECK(moved[0] == -7);
+    INVALID(espalier_pull_fixed(pull, &count, NULL), "vertices is null");
+    espalier_pull_destroy(pull);
+
+    const int32_t frozen[2] = {0, 26}, pin = 1, none = POINTS;
+    options.frozen = frozen;
+    options.frozen_count = 2;
+    options.pins = &pin;
+    options.pin_count = 1;
+    const double up[3 * POINTS] = {0, 0, 0.1, 0, 0, 0};
+    OK(espalier_pull_create(lattice, BOX_VERTICES, rest, table, POINTS, NULL, &options, &pull));
+    OK(espalier_pull_fixed(pull, &count, &fixed));
+    CHECK(count == 2 && fixed[0] == 0 && fixed[1] == 26);
+    OK(espalier_pull_solve(pull, POINTS, up, BOX_VERTICES, NULL, moved, NULL));
+    for (int k = 0; k < 3; ++k) CHECK(moved[k] == 0 && moved[3 * 26 + k] == 0);
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) moved[i] += rest[i];
+    OK(espalier_binding_apply(binding, BOX_VERTICES, moved, POINTS, carried));
+    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(carried[i] - points[i] - up[i]) < 1e-6);
+    espalier_pull_destroy(pull);
+    espalier_pull_destroy(NULL);
+
+    INVALID(espalier_pull_create(lattice, BOX_VERTICES, rest, table, 1, &none, NULL, &pull),
+            "no row 2");
+    options.pins = &none;
+    INVALID(espalier_pull_create(lattice, BOX_VERTICES, rest, table, POINTS, NULL, &options, &pull),
+            "pins[0]: expected a row, 0 to 1, got 2");
+    INVALID(espalier_pull_create(NULL, BOX_VERTICES, rest, table, POINTS, NULL, NULL, &pull),
+            "lattice is null");
+    INVALID(espalier_pull_create(lattice, BOX_VERTICES, rest, NULL, POINTS, NULL, NULL, &pull),
+            "deformation is null");
+}
+
 /* Holds the side x = 0 of the box: its 9 vertices for positions, and the next layer for tangent
  * planes. */
 static void test_hold(void) {
@@ -525,6 +585,7 @@ static void test_files(const char* path) {
 int main(int argc, char** argv) {
     set_up();
     test_fit();
+    test_pull();
     test_hold();
     test_validity();
     test_nested();
