@@ -19,7 +19,14 @@ export { Deformer, Evaluator } from "./evaluator.ts";
 export { Lattice, SHARP, type Marks, type Point } from "./lattice.ts";
 export { EspalierError, isCancelled } from "./memory.ts";
 export { Model, type Polygons } from "./model.ts";
-export { Poses, type Falloff, type PoseOptions } from "./poses.ts";
+export {
+  Poses,
+  type Falloff,
+  type PoseOptions,
+  type Section,
+  type SelectedPart,
+} from "./poses.ts";
+export { Pull, type Pulled, type PullOptions } from "./pull.ts";
 export { Refiner, type Cells, type RefineOptions } from "./refiner.ts";
 export { Table, type CompressedRows, type Fit, type FitOptions } from "./table.ts";
 export { Validity } from "./validity.ts";

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Selections of vertices, and operations that move them (c/espalier_pose.h).
 
-import { choice, integers, numbers, options as object, countPoints, real } from "./arguments.ts";
-import type { CLibrary } from "./c_library.ts";
-import type { Point } from "./lattice.ts";
+import {
+  choice,
+  integer,
+  integers,
+  numbers,
+  options as object,
+  countPoints,
+  real,
+} from "./arguments.ts";
+import { Handle, type CLibrary } from "./c_library.ts";
+import type { Lattice, Point } from "./lattice.ts";
 import { doublesAt, type Scope } from "./memory.ts";
 
 /** The decrease of weights outside a selected region. */
@@ -22,6 +30,19 @@ export interface PoseOptions {
   /** twist, bend and taper grow between these two coordinates along the axis; default: the interval of
    * the vertices that move */
   range?: [number, number];
+}
+
+/** Faces across a lattice: where a part of it joins the rest. */
+export interface Section {
+  area: number;
+  /** the middle of the faces */
+  center: Point;
+}
+
+/** A part of a lattice: a weight for each vertex, and the section that joins it to the rest. */
+export interface SelectedPart {
+  weights: Float64Array;
+  section: Section;
 }
 
 /** Selections give one weight for each vertex; operations give new positions. Positions are three numbers for
@@ -61,6 +82,92 @@ export class Poses {
     return this.select("numbers", positions, falloff, (scope) => {
       const chosen = scope.integers(integers("vertices", vertices));
       return [BigInt(vertices.length), chosen];
+    });
+  }
+
+  /** Selects the arm, leg or ear at a point, up to the section where it opens into the body. Falloffs of this and of
+   * the next three functions are measured along the cells. */
+  selectLimb(lattice: Lattice, positions: Float64Array, point: Point, falloff?: Falloff) {
+    return this.selectPart("limb", lattice, positions, falloff, (scope) =>
+      scope.doubles(numbers("point", point, 3)),
+    );
+  }
+
+  /** Selects the smaller part of the lattice beyond a face between two cells. */
+  selectBeyond(lattice: Lattice, positions: Float64Array, face: number, falloff?: Falloff) {
+    return this.selectPart("beyond", lattice, positions, falloff, () => integer("face", face));
+  }
+
+  /** Selects the vertices within a distance of a point along the cells. */
+  selectNear(
+    lattice: Lattice,
+    positions: Float64Array,
+    point: Point,
+    radius: number,
+    falloff?: Falloff,
+  ): Float64Array {
+    return this.selectAlong("near", lattice, positions, falloff, (scope) => [
+      scope.doubles(numbers("point", point, 3)),
+      real("radius", radius),
+    ]);
+  }
+
+  /** Selects vertices by number, with a falloff along the cells. */
+  selectAlongCells(
+    lattice: Lattice,
+    positions: Float64Array,
+    vertices: ArrayLike<number>,
+    falloff?: Falloff,
+  ): Float64Array {
+    return this.selectAlong("along_cells", lattice, positions, falloff, (scope) => {
+      const chosen = scope.integers(integers("vertices", vertices));
+      return [BigInt(vertices.length), chosen];
+    });
+  }
+
+  /** The face between two cells that is nearest to a point. */
+  nearestInnerFace(lattice: Lattice, positions: Float64Array, point: Point): number {
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    const count = countPoints("positions", positions);
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(4);
+      const [from, at] = [scope.doubles(positions), scope.doubles(numbers("point", point, 3))];
+      this.library.call("espalier_nearest_inner_face", latticeAt, count, from, at, out);
+      return this.library.core.HEAP32[out / 4];
+    });
+  }
+
+  /** Adds the vertices that `steps` edges join to those with a weight above 0, or, below 0, removes the outer ones. */
+  growSelection(lattice: Lattice, weights: ArrayLike<number>, steps: number): Float64Array {
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    numbers("weights", weights);
+    return this.library.scoped((scope) => {
+      const grown = scope.doubles(weights);
+      this.library.call(
+        "espalier_selection_grow",
+        latticeAt,
+        weights.length,
+        integer("steps", steps),
+        grown,
+      );
+      return doublesAt(this.library.core, grown, weights.length);
+    });
+  }
+
+  /** The section between the vertices with a weight above 0 and the rest: the joint of a limb. */
+  selectionBorder(
+    lattice: Lattice,
+    positions: Float64Array,
+    weights: ArrayLike<number>,
+  ): Section {
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    const count = countPoints("positions", positions);
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(32);
+      const from = scope.doubles(positions);
+      const chosen = scope.doubles(numbers("weights", weights, count));
+      this.library.call("espalier_selection_border", latticeAt, count, from, chosen, out);
+      return this.sectionAt(out);
     });
   }
 
@@ -114,6 +221,63 @@ export class Poses {
     ]);
   }
 
+  private selectPart(
+    kind: string,
+    lattice: Lattice,
+    positions: Float64Array,
+    falloff: Falloff | undefined,
+    place: (scope: Scope) => number,
+  ): SelectedPart {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(32);
+      const values = (inner: Scope) => [place(inner)];
+      const weights = this.selectAlong(kind, lattice, positions, falloff, values, [out]);
+      return { weights, section: this.sectionAt(out) };
+    });
+  }
+
+  private sectionAt(pointer: number): Section {
+    const [area, ...center] = doublesAt(this.library.core, pointer, 4);
+    return { area, center: center as Point };
+  }
+
+  private selectAlong(
+    kind: string,
+    lattice: Lattice,
+    positions: Float64Array,
+    falloff: Falloff | undefined,
+    values: (scope: Scope) => (number | bigint)[],
+    results: number[] = [],
+  ): Float64Array {
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    const count = countPoints("positions", positions);
+    return this.library.scoped((scope) => {
+      const weights = scope.allocate(8 * count);
+      const decrease = this.falloffIn(scope, falloff);
+      const from = scope.doubles(positions);
+      this.library.call(
+        `espalier_select_${kind}`,
+        latticeAt,
+        count,
+        from,
+        ...values(scope),
+        decrease,
+        weights,
+        ...results,
+      );
+      return doublesAt(this.library.core, weights, count);
+    });
+  }
+
+  private falloffIn(scope: Scope, falloff: Falloff | undefined): number {
+    if (falloff === undefined) return 0;
+    object("falloff", falloff);
+    return scope.struct([
+      ["i32", choice("falloff.profile", falloff.profile ?? "smooth", ["linear", "smooth"])],
+      ["f64", real("falloff.radius", falloff.radius)],
+    ]);
+  }
+
   private select(
     kind: string,
     positions: Float64Array,
@@ -121,15 +285,9 @@ export class Poses {
     values: (scope: Scope) => (number | bigint)[],
   ): Float64Array {
     const count = countPoints("positions", positions);
-    if (falloff !== undefined) object("falloff", falloff);
     return this.library.scoped((scope) => {
       const weights = scope.allocate(8 * count);
-      const decrease = falloff
-        ? scope.struct([
-            ["i32", choice("falloff.profile", falloff.profile ?? "smooth", ["linear", "smooth"])],
-            ["f64", real("falloff.radius", falloff.radius)],
-          ])
-        : 0;
+      const decrease = this.falloffIn(scope, falloff);
       const from = scope.doubles(positions);
       this.library.call(`espalier_select_${kind}`, count, from, ...values(scope), decrease, weights);
       return doublesAt(this.library.core, weights, count);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sparse matrices, and their products with positions.
 
-import { choice, integers, numbers, options as object, real } from "./arguments.ts";
+import { choice, countPoints, integer, integers, numbers, options as object, real } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { Evaluator } from "./evaluator.ts";
 import type { Lattice } from "./lattice.ts";
 import { doublesAt, integersAt, longsAt } from "./memory.ts";
+import { Pull, type PullOptions } from "./pull.ts";
 
 /** A sparse matrix in compressed rows. */
 export interface CompressedRows {
@@ -109,6 +110,54 @@ export class Table extends Handle {
         displacements: doublesAt(core, displacements, 3 * vertexCount),
         largestMiss: core.HEAPF64[quality / 8],
       };
+    });
+  }
+
+  /** Prepares pulls of points that bend the lattice: its cells stay as rigid as they can.
+   *
+   * @param lattice to which the points are bound
+   * @param positions of its vertices at rest
+   * @param rows the points that are pulled or pinned
+   */
+  pull(
+    lattice: Lattice,
+    positions: Float64Array,
+    rows: ArrayLike<number>,
+    options: PullOptions = {},
+  ): Pull {
+    integers("rows", rows);
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    const vertexCount = countPoints("positions", positions);
+    const {
+      frozen = [],
+      pins = [],
+      reach = 0.5,
+      tolerance = 1e-6,
+      maxIterations = 500,
+    } = object("options", options);
+    integers("frozen", frozen);
+    integers("pins", pins);
+    return this.library.scoped((scope) => {
+      const pointer = this.library.create(
+        "espalier_pull_create",
+        latticeAt,
+        vertexCount,
+        scope.doubles(positions),
+        this.address,
+        rows.length,
+        scope.integers(rows),
+        scope.struct([
+          ["size"],
+          ["i64", frozen.length],
+          ["pointer", scope.integers(frozen)],
+          ["i64", pins.length],
+          ["pointer", scope.integers(pins)],
+          ["f64", real("reach", reach)],
+          ["f64", real("tolerance", tolerance)],
+          ["i32", integer("maxIterations", maxIterations)],
+        ]),
+      );
+      return new Pull(this.library, pointer, vertexCount, rows.length);
     });
   }
 

@@ -180,6 +180,49 @@ test("folded cells are found", () => {
   assert.ok(inverted.every((cell) => validity.baseCell(cell) < 8));
 });
 
+test("limbs, and selections along the cells", () => {
+  // A box of 3 x 3 x 3 cubes, of which a column remains above the lowest layer.
+  const box = espalier.box([3, 3, 6], [0, 0, 0], [3, 3, 6]);
+  const isRemoved = (cell) => cell >= 27 && cell % 9 !== 4;
+  const lattice = box.withoutCells([...Array(54).keys()].filter(isRemoved));
+  const rest = lattice.positions();
+  const { poses } = espalier;
+  const { weights, section } = poses.selectLimb(lattice, rest, [1.5, 1.5, 6]);
+  assert.equal(weights.filter((weight) => weight === 1).length, 16);
+  assert.ok(Math.abs(section.area - 1) < 1e-14);
+  section.center.forEach((c, i) => assert.ok(Math.abs(c - [1.5, 1.5, 3][i]) < 1e-14));
+  assert.deepEqual(poses.selectionBorder(lattice, rest, weights), section);
+  const face = poses.nearestInnerFace(lattice, rest, [1.5, 1.5, 4]);
+  const beyond = poses.selectBeyond(lattice, rest, face);
+  assert.equal(beyond.weights.filter((weight) => weight === 1).length, 12);
+  assert.deepEqual(poses.growSelection(lattice, weights, -1), beyond.weights);
+  const near = poses.selectNear(lattice, rest, [1.5, 1.5, 6], 1);
+  assert.equal(near.filter((weight) => weight === 1).length, 4);
+  const vertices = [...near.keys()].filter((v) => near[v] === 1);
+  const falling = poses.selectAlongCells(lattice, rest, vertices, { radius: 2, profile: "linear" });
+  assert.equal(falling.filter((weight) => weight === 0.5).length, 4);
+  assert.throws(() => poses.selectLimb(box, box.positions(), [0, 0, 0]), /has no limb/);
+});
+
+test("pulls bend the lattice", () => {
+  const lattice = espalier.box([2, 2, 8], [0, 0, 0], [2, 2, 8]);
+  const rest = lattice.positions();
+  const points = new Float64Array([1, 1, 7.5, 1, 1, 0.5]);
+  const table = lattice.refiner().bind(rest, points).table();
+  const all = table.pull(lattice, rest, [0], { reach: 1 });
+  assert.equal(all.fixedVertices().length, 0);
+  const moved = all.solve([1, 2, 3]).displacements;
+  moved.forEach((d, i) => assert.ok(Math.abs(d - [1, 2, 3][i % 3]) < 1e-9));
+  const pull = table.pull(lattice, rest, [0, 1], { pins: [1], frozen: [0] });
+  assert.ok(pull.fixedVertices().includes(0));
+  const bent = pull.solve([1, 0, -0.2, 0, 0, 0]);
+  assert.ok(bent.largestMiss < 1e-6 && bent.iterations > 1);
+  assert.equal(bent.displacements[0], 0);
+  assert.ok(pull.solve([1, 0, -0.2, 0, 0, 0], bent.displacements).iterations <= bent.iterations);
+  assert.throws(() => pull.solve([1, 0, 0]), /misses: expected 6 numbers, got 3/);
+  pull.free();
+});
+
 test("selections and operations", () => {
   const rest = espalier.box([1, 1, 2], [0, 0, 0], [1, 1, 2]).positions();
   const { poses } = espalier;
