@@ -31,6 +31,7 @@ void fill(py::module_& module) {
     addCompiledTables(module);
     addBinding(module);
     addFit(module);
+    addPull(module);
     addDesignVariables(module);
     addValidity(module);
     addMeshCheck(module);

@@ -23,6 +23,7 @@ void addRefiner(py::module_& module);
 void addCompiledTables(py::module_& module);
 void addBinding(py::module_& module);
 void addFit(py::module_& module);
+void addPull(py::module_& module);
 void addDesignVariables(py::module_& module);
 void addValidity(py::module_& module);
 void addMeshCheck(py::module_& module);

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/argument_error.h>
+#include <espalier/base/number_text.h>
+#include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <variant>
@@ -249,6 +256,111 @@ falloff, falloff_radius : as in select_box(), with the distance from the nearest
 )");
 }
 
+/// Returns the vertices with a weight above 0.
+std::vector<Index> selectedBy(const Lattice& lattice, const py::handle& weights) {
+    const auto array = realArray<double>(weights, "weights");
+    if (array.ndim() != 1 || array.shape(0) != std::ssize(lattice.positions))
+        throw Error("weights has shape " + shapeText(array) +
+                    "; expected one number for each of the " +
+                    std::to_string(lattice.positions.size()) + " vertices");
+    std::vector<Index> vertices;
+    for (py::ssize_t v = 0; v < array.shape(0); ++v) {
+        if (!(array.at(v) >= 0 && array.at(v) <= 1))
+            throw Error(concat("weights[", v, "] is ", array.at(v), "; expected 0 to 1"));
+        if (array.at(v) > 0) vertices.push_back(static_cast<Index>(v));
+    }
+    return vertices;
+}
+
+py::array along(const Lattice& lattice, const std::vector<Index>& vertices,
+                const std::string& falloff, double radius) {
+    return toArray(shapes::selectAlongCells(lattice.complex, lattice.positions, vertices,
+                                            falloffOf(falloff, radius)));
+}
+
+void addSelectionsAlongCells(py::module_& module) {
+    module.def(
+        "select_limb",
+        [](const Lattice& lattice, const Point3& point, const std::string& falloff, double radius) {
+            const auto limb = shapes::selectLimb(lattice.complex, lattice.positions, point);
+            return along(lattice, limb.vertices, falloff, radius);
+        },
+        "lattice"_a, "point"_a, py::kw_only(), "falloff"_a = "linear", "falloff_radius"_a = 0.0, R"(
+Returns weights, an array (V,): 1 for the vertices of the limb at a point, such as an arm with its
+hand: the part of the lattice beyond its narrowest section, where it opens into the body.
+
+lattice : Lattice at rest; point : 3 float, inside or outside
+falloff, falloff_radius : as in select_box(), with distances along the cells of the lattice
+)");
+    module.def(
+        "select_beyond",
+        [](const Lattice& lattice, const std::variant<Index, Point3>& face,
+           const std::string& falloff, double radius) {
+            Index number = 0;
+            if (face.index() == 0) {
+                number = std::get<0>(face);
+            } else {
+                const Point3& point = std::get<1>(face);
+                for (const double coordinate : point)
+                    if (!std::isfinite(coordinate))
+                        throw ArgumentError("select_beyond", "face", espalier::textOf(point),
+                                            "a number or finite coordinates");
+                number = shapes::nearestInnerFace(lattice.complex, lattice.positions, point);
+            }
+            const auto part = shapes::selectBeyond(lattice.complex, lattice.positions, number);
+            return along(lattice, part.vertices, falloff, radius);
+        },
+        "lattice"_a, "face"_a, py::kw_only(), "falloff"_a = "linear", "falloff_radius"_a = 0.0, R"(
+Returns weights, an array (V,): 1 for the smaller part of a lattice beyond a face between two cells.
+
+lattice : Lattice at rest; face : int, or 3 float, a point near the face
+falloff, falloff_radius : as in select_limb()
+)");
+    module.def(
+        "select_near",
+        [](const Lattice& lattice, const Point3& point, double nearRadius,
+           const std::string& falloff, double radius) {
+            return toArray(shapes::selectNear(lattice.complex, lattice.positions, point, nearRadius,
+                                              falloffOf(falloff, radius)));
+        },
+        "lattice"_a, "point"_a, "radius"_a, py::kw_only(), "falloff"_a = "linear",
+        "falloff_radius"_a = 0.0, R"(
+Returns weights, an array (V,): 1 within a distance of a point along the cells of the lattice.
+
+lattice : Lattice at rest; point : 3 float; falloff, falloff_radius : as in select_limb()
+)");
+    module.def(
+        "grow",
+        [](const Lattice& lattice, const ArrayLike& weights, int steps) {
+            const auto before = selectedBy(lattice, weights);
+            const int count = std::min(std::abs(std::max(steps, -kMaxIndex)),
+                                       static_cast<int>(lattice.complex.count(0)));
+            return along(lattice,
+                         steps < 0 ? shapes::shrinkSelection(lattice.complex, before, count)
+                                   : shapes::growSelection(lattice.complex, before, count),
+                         "linear", 0);
+        },
+        "lattice"_a, "weights"_a, "steps"_a = 1, R"(
+Returns weights, an array (V,): 1 for the vertices with a weight above 0 and for those that up to
+`steps` edges join to them. Below 0, the selection shrinks.
+
+weights : array (V,) of float from 0 to 1
+)");
+    module.def(
+        "border",
+        [](const Lattice& lattice, const ArrayLike& weights) {
+            return shapes::selectionBorder(lattice.complex, lattice.positions,
+                                           selectedBy(lattice, weights))
+                .center;
+        },
+        "lattice"_a, "weights"_a, R"(
+Returns the middle of the section between the vertices with a weight above 0 and the rest, 3 float:
+the joint about which a selected limb turns, for the argument `center` of rotate().
+
+weights : array (V,) of float from 0 to 1, without a falloff
+)");
+}
+
 }  // namespace
 
 void addPose(py::module_& module) {
@@ -257,6 +369,7 @@ void addPose(py::module_& module) {
     poseModule.attr("__module__") = "espalier.pose";
     addOperations(poseModule);
     addSelections(poseModule);
+    addSelectionsAlongCells(poseModule);
     py::delattr(poseModule, "__module__");
 }
 

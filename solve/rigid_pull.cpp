@@ -283,8 +283,8 @@ Columns RigidPull::Data::startFrom(std::span<const Point3> misses) const {
 /// Finds the best rotations of the cells.
 void RigidPull::Data::rotate(const Columns& moved, std::vector<Eigen::Matrix3d>& rotations) const {
     rotations.resize(cellCount());
-    constexpr Offset kGrain = 256;
-    parallelFor(cellCount(), kGrain, [&](Offset first, Offset last) {
+    constexpr Offset kCells = 256;
+    parallelFor(cellCount(), kCells, [&](Offset first, Offset last) {
         for (auto cell = static_cast<Index>(first); cell < last; ++cell) {
             Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
             // The mean of the displacements does not matter, because the offsets sum to 0.
@@ -372,11 +372,9 @@ RigidPull::RigidPull(const far::CellComplex& base, std::span<const Point3> rest,
     for (Index row = 0; row < deformation.rowCount(); ++row) {
         const auto columns = deformation.columns(row);
         Vector point = Vector::Zero();
-        double total = 0;
         for (std::size_t a = 0; a < columns.size(); ++a) {
             point +=
                 deformation.weights(row)[a] * (data->rest[columns[a]] - data->rest[columns[0]]);
-            total += deformation.weights(row)[a];
         }
         data->points.push_back(data->rest[columns[0]] + point);
     }

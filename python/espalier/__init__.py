@@ -47,6 +47,8 @@ __all__ = [
     "PointStatus",
     "PoseValidity",
     "Refiner",
+    "RigidPose",
+    "RigidPull",
     "SectionVariables",
     "StencilTable",
     "ThreadLimit",

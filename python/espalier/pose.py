@@ -13,13 +13,18 @@ from ._core._pose import *
 
 __all__ = [
     "bend",
+    "border",
+    "grow",
     "move",
     "rotate",
     "scale",
     "select_ball",
+    "select_beyond",
     "select_box",
     "select_end",
     "select_half_space",
+    "select_limb",
+    "select_near",
     "select_numbers",
     "taper",
     "twist",

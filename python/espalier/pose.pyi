@@ -4,6 +4,8 @@ from typing import Literal, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import Lattice
+
 _Axis = str | Sequence[float]
 _Falloff = Literal["linear", "smooth"]
 _Array = NDArray[np.float64]
@@ -92,3 +94,27 @@ def select_numbers(
     falloff: _Falloff = "linear",
     falloff_radius: float = 0.0,
 ) -> _Array: ...
+def select_limb(
+    lattice: Lattice,
+    point: Sequence[float],
+    *,
+    falloff: _Falloff = "linear",
+    falloff_radius: float = 0.0,
+) -> _Array: ...
+def select_beyond(
+    lattice: Lattice,
+    face: int | Sequence[float],
+    *,
+    falloff: _Falloff = "linear",
+    falloff_radius: float = 0.0,
+) -> _Array: ...
+def select_near(
+    lattice: Lattice,
+    point: Sequence[float],
+    radius: float,
+    *,
+    falloff: _Falloff = "linear",
+    falloff_radius: float = 0.0,
+) -> _Array: ...
+def grow(lattice: Lattice, weights: ArrayLike, steps: int = 1) -> _Array: ...
+def border(lattice: Lattice, weights: ArrayLike) -> list[float]: ...

@@ -24,10 +24,12 @@ STRUCTS = {
     "barbell": [("shapes/inventory.h", "BarbellOptions")],
     "arm": [("shapes/inventory.h", "ArmOptions")],
     "fit": [("solve/lattice_fit.h", "FitOptions")],
+    "pull": [("solve/rigid_pull.h", "RigidPullOptions")],
 }
 # The function in Python's stubs that takes them.
 IN_PYTHON = {"refine": ("__init__.pyi", r"class Refiner:\s+def __init__"), "bind": ("__init__.pyi", "def bind"),
-             "fit": ("__init__.pyi", "def fit")} | {
+             "fit": ("__init__.pyi", "def fit"),
+             "pull": ("__init__.pyi", r"class RigidPull:\s+def __init__")} | {
     shape: ("shapes.pyi", "def " + shape) for shape in ("around", "cage", "torus", "star", "barbell", "arm")}
 # Python's default of these is None, which stands for the default of the library.
 NONE_IN_PYTHON = {"boundary", "creasing", "triangles", "cells", "gradients"}

@@ -27,6 +27,9 @@ MESH = {"positions": POSITIONS[:4], "faces": [[0, 1, 3]], "edge_sharpness": {(0,
         "vertex_sharpness": {0: 1.0}, "attributes": {"a": np.ones(4)},
         "texture_coordinates": np.zeros((3, 2)), "texture_corners": [[0, 1, 2]]}
 SECTIONS = espalier.SectionVariables(POSITIONS, [0.0, 1.0])
+# A body of 3 x 3 x 3 cubes, and a row of cubes on it.
+LIMB = espalier.shapes.merge([espalier.shapes.box((3, 3, 3), (0, 0, 0), (3, 3, 3)),
+                              espalier.shapes.box((1, 1, 3), (1, 1, 3), (2, 2, 6))])
 
 # A good call of each function: its arguments by name, with each real number that it takes. `model` stands for a model.
 GOOD = {
@@ -57,6 +60,8 @@ GOOD = {
     "ValidityCheck.largest_step": {"pose": POSITIONS, "most": 1.0},
     "bind": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6, "weights": np.ones(2), "falloff": 0.5},
     "fit": {"lattice": BOX, "deformation": BOUND, "misses": 0 * POINTS, "strength": 1e-3},
+    "RigidPull": {"lattice": BOX, "deformation": BOUND, "reach": 1.0, "tolerance": 1e-6},
+    "RigidPull.solve": {"misses": POINTS, "start": 0 * POSITIONS},
     "check": {"lattice": BOX, "pose": POSITIONS},
     "hold": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6},
     "nest": {"child": BOUND, "child_pose": POSITIONS / 2 + 0.25, "parent": BOX, "tolerance": 1e-6},
@@ -71,6 +76,11 @@ GOOD = {
     "pose.select_half_space": {**FALLOFF, "point": (0, 0, 0), "normal": (0, 0, 1)},
     "pose.select_end": {**FALLOFF, "direction": (0, 0, 1)},
     "pose.select_numbers": {**FALLOFF, "numbers": [0]},
+    "pose.select_limb": {"lattice": LIMB, "point": (1.5, 1.5, 6), "falloff_radius": 0.5},
+    "pose.select_beyond": {"lattice": BOX, "face": (0.2, 0.2, 0.5), "falloff_radius": 0.5},
+    "pose.select_near": {"lattice": BOX, "point": (0, 0, 0), "radius": 0.5, "falloff_radius": 0.5},
+    "pose.grow": {"lattice": BOX, "weights": np.ones(27)},
+    "pose.border": {"lattice": BOX, "weights": np.repeat([1.0, 0.0], [18, 9])},
     "shapes.box": {"min": (0, 0, 0), "max": (1, 1, 1)},
     "shapes.around": {"points": POINTS, "cell_size": 0.1, "margin": 0.1},
     "shapes.cage": {"model": POSITIONS, "faces": [BOX.faces[face] for face in FACES], "vertices": 40,
@@ -89,9 +99,9 @@ GOOD = {
 OBJECTS = {"Lattice": BOX, "Refiner": espalier.Refiner(BOX), "CompiledTable": TABLE,
            "CompiledAdjoint": espalier.CompiledAdjoint(BOUND.table), "ChangeEvaluator": espalier.ChangeEvaluator(TABLE),
            "Binding": BOUND, "DesignVariables": espalier.DesignVariables(27), "SectionVariables": SECTIONS,
-           "ValidityCheck": espalier.ValidityCheck(BOX, 1)}
+           "ValidityCheck": espalier.ValidityCheck(BOX, 1), "RigidPull": espalier.RigidPull(BOX, BOUND)}
 # Arrays of integers.
-INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "numbers"}
+INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "pins", "numbers"}
 # A mesh of tetrahedra is checked in the same way: MeshCheck reads it from a file.
 MESH_CHECK = {"MeshCheck.check": {"points"}, "MeshCheck.largest_step": {"points", "most"},
               "MeshCheck.quality": {"points"}}

@@ -51,6 +51,27 @@ def test_selections_are_weights():
     np.testing.assert_allclose(moved - BOX, falling[:, None] * (1, 0, 0))
 
 
+def test_selections_along_the_cells():
+    # A body of 3 x 3 x 3 cubes, and a row of three cubes on it.
+    lattice = espalier.shapes.merge([espalier.shapes.box((3, 3, 3), (0, 0, 0), (3, 3, 3)),
+                                     espalier.shapes.box((1, 1, 3), (1, 1, 3), (2, 2, 6))])
+    x, y, z = lattice.positions.T
+    row = (z >= 3) & (1 <= x) & (x <= 2) & (1 <= y) & (y <= 2)
+    limb = pose.select_limb(lattice, (1.5, 1.5, 6))
+    np.testing.assert_array_equal(limb, row)
+    np.testing.assert_allclose(pose.border(lattice, limb), (1.5, 1.5, 3))
+    np.testing.assert_array_equal(pose.grow(lattice, limb, -1), row & (z > 3))
+    np.testing.assert_array_equal(pose.grow(lattice, 1.0 * (z == 6), 2), z >= 4)
+    np.testing.assert_array_equal(pose.select_beyond(lattice, (1.5, 1.5, 4)), z >= 4)
+    np.testing.assert_array_equal(pose.select_near(lattice, (1.5, 1.5, 6), 1), z == 6)
+    falling = pose.select_limb(lattice, (1.5, 1.5, 6), falloff_radius=2)
+    np.testing.assert_allclose(falling[(z == 2) & (x == 1) & (y == 1)], 0.5)
+    with pytest.raises(ValueError, match="the lattice has no limb at"):
+        pose.select_limb(espalier.shapes.box(), (0, 0, 0))
+    with pytest.raises(ValueError, match="weights has shape"):
+        pose.grow(lattice, [1.0])
+
+
 @pytest.mark.parametrize("call, message", [
     (lambda: pose.move(BOX, (1, np.nan, 0)), r"move: offset: expected finite numbers, got \("),
     (lambda: pose.move(BOX, (1, 0, 0), weights=[1]), "weights has shape"),

@@ -36,6 +36,24 @@ def test_targets_that_leave_vertices_open(rest, binding):
         espalier.fit(rest, binding, [[0.1, 0, 0]], rows=[0], undetermined="refuse")
 
 
+def test_pulls_keep_cells_rigid(rest, points, binding):
+    pull = espalier.RigidPull(rest, binding, rows=[17, 4, 200], reach=1)
+    assert len(pull.fixed) == 0
+    pose = pull.solve(np.tile([0.3, -0.2, 0.1], (3, 1)))
+    np.testing.assert_allclose(pose.displacements, np.tile([0.3, -0.2, 0.1], (36, 1)), atol=1e-9)
+    assert pose.largest_miss < 1e-9 and pose.rms_miss < 1e-9 and pose.energy < 1e-9 and pose.iterations >= 1
+    pull = espalier.RigidPull(rest, binding, rows=[17, 4], pins=[1], frozen=[0])
+    assert 0 in pull.fixed
+    pose = pull.solve([[0.1, 0, 0.1], [0, 0, 0]])
+    again = pull.solve([[0.1, 0, 0.1], [0, 0, 0]], start=pose.displacements)
+    np.testing.assert_allclose(again.displacements, pose.displacements, atol=1e-3)
+    np.testing.assert_allclose((binding.matrix @ pose.displacements)[[17, 4]], [[0.1, 0, 0.1], [0, 0, 0]], atol=1e-6)
+    with pytest.raises(ValueError, match="^rows: there is no row 500"):
+        espalier.RigidPull(rest, binding, rows=[500])
+    with pytest.raises(ValueError, match="max_iterations: expected 1 or more, got 0"):
+        espalier.RigidPull(rest, binding, max_iterations=0)
+
+
 def test_design_variables(rest, points, binding):
     design = espalier.DesignVariables(36)
     design.freeze(np.flatnonzero(rest.positions[:, 2] == 0))
