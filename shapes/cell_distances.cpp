@@ -24,8 +24,8 @@ Point3 nearestOnSegment(const Point3& a, const Point3& b) {
     return sum(a, scaled(along, t));
 }
 
-/// Returns the distance of a triangle from the origin: inside its three sides that of its plane,
-/// elsewhere that of its nearest side.
+/// Returns the distance of a triangle from the origin. The nearest point is in its plane, or on one
+/// of its sides.
 double distanceOfTriangle(const std::array<Point3, 3>& corners) {
     const auto& [a, b, c] = corners;
     const Point3 normal = cross(difference(b, a), difference(c, a));

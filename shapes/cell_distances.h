@@ -38,8 +38,8 @@ std::vector<WayStart> waysFrom(const Point3& point, const far::CellComplex& comp
 Index nearestFace(const far::CellComplex& complex, std::span<const Point3> positions,
                   const Point3& point, bool betweenCells = false);
 
-/// Returns the cell at the nearest face of a point. Of two cells at the face, it is the one on
-/// whose side of the face the point lies.
+/// Returns the cell at the nearest face of a point. Between two cells at the face, the side
+/// of the face on which the point lies decides.
 Index nearestCell(const far::CellComplex& complex, std::span<const Point3> positions,
                   const Point3& point);
 

@@ -91,7 +91,7 @@ std::vector<Part> partsOf(const far::CellComplex& complex, std::span<const Point
     return parts;
 }
 
-/// Returns the part with the largest opening among those of at most a part of the volume.
+/// Returns the part with the largest opening. Its volume is at most `part` of the whole.
 const Part* widestOpening(std::span<const Part> parts, double part) {
     const Part* best = nullptr;
     for (const Part& each : parts)

@@ -21,10 +21,9 @@ namespace espalier::shapes {
 
 /// A part of a lattice, and the section that joins it to the rest.
 struct Limb {
-    std::vector<Index> cells;  ///< ascending
-    std::vector<Index>
-        vertices;     ///< the vertices of these cells, with those of the section; ascending
-    Section section;  ///< the faces between these cells and the rest
+    std::vector<Index> cells;     ///< ascending
+    std::vector<Index> vertices;  ///< all vertices of these cells; ascending
+    Section section;              ///< the faces between these cells and the rest
 
     /// The opening of the section: see selectLimb(). 1 in selectBeyond().
     double opening = 1;

@@ -90,8 +90,8 @@ public:
     /// Finds the pose for some targets. If all misses are 0, and no start is given, the
     /// displacements are 0.
     /// \param misses for each row of D, its target minus its position at rest
-    /// \param start displacements where the iteration begins, such as those of the last frame of a
-    ///        drag; one per vertex, finite. Empty: see above
+    /// \param start displacements where the iteration begins, such as the last frame of a drag; one
+    ///        per vertex, finite. Empty: see above
     /// \throws Error for sizes that do not match; TargetError for a miss that is not finite or
     ///         larger than 1e90
     /// \cost for each iteration O(Σ vertices of the cells + entries of the factor); 0.2 ms for a
