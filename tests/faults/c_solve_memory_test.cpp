@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -118,6 +119,27 @@ TEST_F(CSolveMemory, Fit) {
             return displacements;
         });
     }
+}
+
+TEST_F(CSolveMemory, Pull) {
+    const std::vector<double> misses = {0.1, 0, 0, 0, -0.2, 0};
+    const std::int32_t rows[] = {0, 1}, frozen = 7, pin = 1;
+    auto options = espalier_default_pull_options();
+    options.frozen_count = options.pin_count = 1;
+    options.frozen = &frozen;
+    options.pins = &pin;
+    options.max_iterations = 2;
+    test::failEachAllocation([&] {
+        std::vector<double> displacements(24);
+        espalier_pull* pull = nullptr;
+        check(espalier_pull_create(lattice.get(), 8, kCorners.data(), deformation.get(), 2, rows,
+                                   &options, &pull));
+        const std::unique_ptr<espalier_pull, decltype(&espalier_pull_destroy)> owner(
+            pull, espalier_pull_destroy);
+        check(
+            espalier_pull_solve(pull, 2, misses.data(), 8, nullptr, displacements.data(), nullptr));
+        return displacements;
+    });
 }
 
 TEST_F(CSolveMemory, Holding) {
