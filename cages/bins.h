@@ -9,9 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "ranked_bits.h"
+
 namespace espalier::cages {
 
-/// Lists, for each of some bins, the items in it, ascending.
+/// Lists, for each of some bins, the items in it, ascending. An empty bin takes two bits.
 class Bins {
 public:
     struct Entry {
@@ -21,25 +23,28 @@ public:
     Bins() = default;
 
     /// \param entries by ascending items
-    Bins(Index binCount, std::span<const Entry> entries)
-        : offsets_(Offset{binCount} + 1, 0), items_(entries.size()) {
-        // Until all items have their places, an offset is the end of its bin; then the begin. There
-        // may be many more bins than entries, so there is one array of them only.
-        for (const Entry& entry : entries) ++offsets_[entry.bin];
+    Bins(Index binCount, std::span<const Entry> entries) : used_(binCount), items_(entries.size()) {
+        for (const Entry& entry : entries) used_.insert(entry.bin);
+        used_.makeRanks();
+        offsets_.assign(used_.count() + 1, 0);
+        // Until all items have their places, an offset is the end of its bin; then the begin.
+        for (const Entry& entry : entries) ++offsets_[used_.rank(entry.bin)];
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         for (std::size_t i = entries.size(); i-- > 0;)
-            items_[--offsets_[entries[i].bin]] = entries[i].item;
+            items_[--offsets_[used_.rank(entries[i].bin)]] = entries[i].item;
     }
 
     std::span<const Index> operator[](Index bin) const { return itemsIn(bin, bin); }
 
     /// Returns the items in the bins `first` to `last`, bin after bin.
     std::span<const Index> itemsIn(Index first, Index last) const {
-        return std::span(items_).subspan(offsets_[first], offsets_[last + 1] - offsets_[first]);
+        const std::uint32_t begin = offsets_[used_.rank(first)];
+        return std::span(items_).subspan(begin, offsets_[used_.rank(Offset{last} + 1)] - begin);
     }
 
 private:
-    std::vector<std::uint32_t> offsets_;
+    RankedBits used_;                     ///< the bins that are not empty
+    std::vector<std::uint32_t> offsets_;  ///< the first item of each of them
     std::vector<Index> items_;
 };
 

@@ -262,7 +262,7 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
     constexpr double kPerVoxel = 6, kPerUsedVoxel = 100;
     work_.add(kPerVoxel * voxels.grid().cubeCount() +
-              kPerUsedVoxel * static_cast<double>(voxels.usedCount()));
+              kPerUsedVoxel * static_cast<double>(voxels.used().count()));
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
     std::array<Index, 3> offset;
     for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;

@@ -20,6 +20,7 @@
 #include "bins.h"
 #include "left_side.h"
 #include "oriented_box.h"
+#include "ranked_bits.h"
 
 namespace espalier::cages {
 namespace {
@@ -216,14 +217,14 @@ OrientedBox boxAround(std::span<const Point3> hull, const std::array<Index, 4>& 
 /// Counts how often triangles wind around points.
 class Winding {
 public:
-    /// \param isUsed per cube of the grid: whether it holds points
+    /// \param used the cubes of the grid that hold points
     Winding(std::span<const std::array<Index, 4>> faces, std::span<const Point3> vertices,
-            const CubeGrid& grid, std::span<const char> isUsed)
+            const CubeGrid& grid, const RankedBits& used)
         : faces_(faces),
           vertices_(vertices),
           grid_(grid),
           bounds_(faces.size()),
-          columns_(grid.counts[0] * grid.counts[1], columnsOfFaces(isUsed)) {}
+          columns_(grid.counts[0] * grid.counts[1], columnsOfFaces(used)) {}
 
     /// Follows the ray from `point` upwards. The point must not be on a triangle.
     int turnsAround(const Point3& point) const {
@@ -243,11 +244,10 @@ public:
 
 private:
     /// Measures the faces. Returns the columns of cubes with points that they reach into.
-    std::vector<Bins::Entry> columnsOfFaces(std::span<const char> isUsed) {
+    std::vector<Bins::Entry> columnsOfFaces(const RankedBits& used) {
         const Index width = grid_.counts[0], columnCount = width * grid_.counts[1];
         std::vector<char> isUsedColumn(columnCount, 0);
-        for (std::size_t cube = 0; cube < isUsed.size(); ++cube)
-            if (isUsed[cube] != 0) isUsedColumn[cube % isUsedColumn.size()] = 1;
+        used.forEach([&](std::size_t cube) { isUsedColumn[cube % isUsedColumn.size()] = 1; });
         std::vector<Bins::Entry> entries;
         for (Index face = 0; face < std::ssize(faces_); ++face) {
             for (const Index vertex : faces_[face]) bounds_[face].include(vertices_[vertex]);
@@ -294,8 +294,8 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
     const std::span<const std::array<Index, 4>> faces = surface.loops;
     const CubeGrid& grid = points.grid();
     const auto groups = points.groups();
-    std::vector<char> isUsed(grid.cubeCount(), 0);
-    for (const Index group : tried) isUsed[groups[group].cube] = 1;
+    RankedBits used(grid.cubeCount());
+    for (const Index group : tried) used.insert(groups[group].cube);
     std::vector<OrientedBox> boxes(near.size());
     std::vector<Bins::Entry> entries;
     std::vector<Point3> hull;
@@ -317,12 +317,12 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
         for (Index z = from[2]; z <= to[2]; ++z)
             for (Index y = from[1]; y <= to[1]; ++y)
                 for (Index x = from[0]; x <= to[0]; ++x)
-                    if (const Index cube = grid.cubeAt({x, y, z}); isUsed[cube] != 0)
+                    if (const Index cube = grid.cubeAt({x, y, z}); used[cube])
                         entries.push_back({cube, number});
         boxes[number] = boxAround(hull, faces[face], vertices);
     }
     const Bins cubes(grid.cubeCount(), entries);
-    const Winding winding(faces, vertices, grid, isUsed);
+    const Winding winding(faces, vertices, grid, used);
     const auto findBoxes = [&](Index group, std::vector<Index>& found) {
         const double apart = margin + 1e-9 * grid.size;
         const OrientedBox& box = groups[group].box;

@@ -38,75 +38,123 @@ CubeParts::CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offse
         offset_[axis] += perEdge_;
         counts_[axis] = (voxels.grid().counts[axis] + offset_[axis]) / perEdge_ + 2;
     }
-    findParts();
-    findContacts();
+    std::vector<std::vector<FaceVoxel>> faces;
+    findParts(faces);
+    findContacts(faces);
 }
 
-void CubeParts::findParts() {
+/// Returns the cubes that hold voxels of the model, by their numbers.
+RankedBits CubeParts::usedCubes() const {
     const auto& n = voxels_.grid().counts;
-    const auto isUsed = voxels_.isUsed();
-    const Index k = perEdge_;
-    parts_.clear();
-    partOf_.assign(isUsed.size(), kNone);
-    std::vector<std::array<Index, 3>> places;  // of the members of a part; they cost divisions
-    Cube cube;
-    for (cube[2] = 0; cube[2] < counts_[2]; ++cube[2])
-        for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1]) {
-            checkCancelled();
-            for (cube[0] = 0; cube[0] < counts_[0]; ++cube[0]) {
-                std::array<Index, 3> low, high;
-                for (int axis = 0; axis < 3; ++axis) {
-                    low[axis] = std::max(cube[axis] * k - offset_[axis], 0);
-                    high[axis] = std::min((cube[axis] + 1) * k - offset_[axis], n[axis]);
-                }
-                const std::size_t first = parts_.size();
-                for (Index z = low[2]; z < high[2]; ++z)
-                    for (Index y = low[1]; y < high[1]; ++y)
-                        for (Index x = low[0]; x < high[0]; ++x) {
-                            const Index voxel = (z * n[1] + y) * n[0] + x;
-                            if (isUsed[voxel] == 0 || partOf_[voxel] != kNone) continue;
-                            const auto part = static_cast<Index>(parts_.size());
-                            parts_.emplace_back();
-                            parts_.back().cube = cube;
-                            auto& members = parts_.back().voxels;
-                            partOf_[voxel] = part;
-                            members.push_back(voxel);
-                            places = {{x, y, z}};
-                            for (std::size_t i = 0; i < members.size(); ++i) {
-                                const Index at = members[i];
-                                const auto place = places[i];
-                                Index stride = 1;
-                                for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
-                                    for (const Index side : {-1, 1}) {
-                                        const Index next = place[axis] + side;
-                                        if (next < low[axis] || next >= high[axis]) continue;
-                                        const Index other = at + side * stride;
-                                        if (isUsed[other] == 0 || partOf_[other] != kNone) continue;
-                                        partOf_[other] = part;
-                                        members.push_back(other);
-                                        places.push_back(place);
-                                        places.back()[axis] = next;
-                                    }
-                            }
-                        }
-                // Parts that are near to each other are one part.
-                for (std::size_t a = first; a < parts_.size(); ++a)
-                    for (std::size_t b = a + 1; b < parts_.size();) {
-                        if (!areNear(parts_[a], parts_[b])) {
-                            ++b;
-                            continue;
-                        }
-                        auto& members = parts_[a].voxels;
-                        members.insert(members.end(), parts_[b].voxels.begin(),
-                                       parts_[b].voxels.end());
-                        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(b));
-                        b = a + 1;
-                    }
-                for (std::size_t a = first; a < parts_.size(); ++a)
-                    for (const Index voxel : parts_[a].voxels)
-                        partOf_[voxel] = static_cast<Index>(a);
+    RankedBits cubes(numberOf({0, 0, counts_[2]}));
+    for (Index z = 0; z < n[2]; ++z)
+        for (Index y = 0; y < n[1]; ++y) {
+            const std::size_t row = (Offset{z} * n[1] + y) * n[0];
+            if (!voxels_.used().hasAny(row, row + n[0])) continue;
+            Cube cube = {0, (y + offset_[1]) / perEdge_, (z + offset_[2]) / perEdge_};
+            for (; cube[0] < counts_[0]; ++cube[0]) {
+                const Index low = std::max(cube[0] * perEdge_ - offset_[0], 0);
+                const Index high = std::min((cube[0] + 1) * perEdge_ - offset_[0], n[0]);
+                if (voxels_.used().hasAny(row + low, row + std::max(low, high)))
+                    cubes.insert(numberOf(cube));
             }
         }
+    return cubes;
+}
+
+/// Finds the connected parts of the model in each cube.
+/// \param faces gets, for each part, its voxels at the faces of its cube
+void CubeParts::findParts(std::vector<std::vector<FaceVoxel>>& faces) {
+    const auto& n = voxels_.grid().counts;
+    const Index k = perEdge_, wide = k + 2;
+    parts_.clear();
+    partOf_.assign(voxels_.used().count(), kNone);
+    // A copy of one cube, with a layer of voxels around it that are not used: 1 for voxels that are
+    // in no part yet. Voxels around a cube would else be asked for their ranks many times.
+    std::vector<char> isFree(Offset{wide} * wide * wide, 0);
+    const std::array<Index, 3> localStrides = {1, wide, wide * wide};
+    struct Member {
+        Index local;
+        std::array<Index, 3> place;  ///< in the cube
+    };
+    std::vector<Member> members;
+    usedCubes().forEach([&](std::size_t number) {
+        checkCancelled();
+        const auto row = static_cast<Index>(number) / counts_[0];
+        const Cube cube = {static_cast<Index>(number) % counts_[0], row % counts_[1],
+                           row / counts_[1]};
+        std::array<Index, 3> origin, low, high;  // the first voxel of the cube; in the cube
+        for (int axis = 0; axis < 3; ++axis) {
+            origin[axis] = cube[axis] * k - offset_[axis];
+            low[axis] = std::max(-origin[axis], 0);
+            high[axis] = std::min(k, n[axis] - origin[axis]);
+        }
+        const auto forEachPlace = [&](auto visit) {
+            for (Index z = low[2]; z < high[2]; ++z)
+                for (Index y = low[1]; y < high[1]; ++y)
+                    for (Index x = low[0]; x < high[0]; ++x)
+                        visit(std::array<Index, 3>{x, y, z},
+                              x + 1 + (y + 1) * wide + (z + 1) * wide * wide);
+        };
+        const auto voxelAt = [&](const std::array<Index, 3>& place) {
+            return ((origin[2] + place[2]) * n[1] + origin[1] + place[1]) * n[0] + origin[0] +
+                   place[0];
+        };
+        forEachPlace([&](const std::array<Index, 3>& place, Index local) {
+            isFree[local] = voxels_.used()[voxelAt(place)] ? 1 : 0;
+        });
+        const std::size_t first = parts_.size();
+        forEachPlace([&](const std::array<Index, 3>& start, Index local) {
+            if (isFree[local] == 0) return;
+            Part part;
+            part.cube = cube;
+            std::vector<FaceVoxel> atFaces;
+            members = {{local, start}};
+            isFree[local] = 0;
+            for (std::size_t i = 0; i < members.size(); ++i) {
+                const Member at = members[i];
+                const Index voxel = voxelAt(at.place);
+                part.voxels.push_back(voxel);
+                unsigned directions = 0;
+                for (int axis = 0; axis < 3; ++axis)
+                    for (const Index side : {0, 1}) {
+                        const Index step = 2 * side - 1;
+                        Member next = at;
+                        next.place[axis] += step;
+                        const bool isInGrid = next.place[axis] >= -origin[axis] &&
+                                              next.place[axis] < n[axis] - origin[axis];
+                        if (isInGrid && (next.place[axis] < 0 || next.place[axis] >= k))
+                            directions |= 1u << (2 * axis + side);
+                        next.local += step * localStrides[axis];
+                        if (isFree[next.local] == 0) continue;
+                        isFree[next.local] = 0;
+                        members.push_back(next);
+                    }
+                if (directions != 0) atFaces.push_back({voxel, directions});
+            }
+            parts_.push_back(std::move(part));
+            faces.push_back(std::move(atFaces));
+        });
+        // Parts that are near to each other are one part.
+        for (std::size_t a = first; a < parts_.size(); ++a)
+            for (std::size_t b = a + 1; b < parts_.size();) {
+                if (!areNear(parts_[a], parts_[b])) {
+                    ++b;
+                    continue;
+                }
+                const auto append = [](auto& to, const auto& more) {
+                    to.insert(to.end(), more.begin(), more.end());
+                };
+                append(parts_[a].voxels, parts_[b].voxels);
+                append(faces[a], faces[b]);
+                parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(b));
+                faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(b));
+                b = a + 1;
+            }
+        for (std::size_t a = first; a < parts_.size(); ++a)
+            for (const Index voxel : parts_[a].voxels)
+                partOf_[voxels_.used().rank(voxel)] = static_cast<Index>(a);
+    });
 }
 
 Index CubeParts::numberOf(const Cube& cube) const {
@@ -122,8 +170,9 @@ Point3 CubeParts::cornerOf(const Cube& cube) const {
 }
 
 std::optional<Index> CubeParts::partAt(const Point3& point) const {
-    const Index part = partOf_[voxels_.grid().cubeOf(point)];
-    return part == kNone ? std::nullopt : std::optional(part);
+    const Index voxel = voxels_.grid().cubeOf(point);
+    if (!voxels_.used()[voxel]) return std::nullopt;
+    return partOf_[voxels_.used().rank(voxel)];
 }
 
 std::array<Index, 3> CubeParts::placeOf(Index voxel) const {
@@ -172,40 +221,26 @@ bool CubeParts::areNear(const Part& a, const Part& b) const {
     return false;
 }
 
-void CubeParts::findContacts() {
+void CubeParts::findContacts(std::span<const std::vector<FaceVoxel>> faces) {
     const auto& n = voxels_.grid().counts;
+    const std::array<Index, 3> strides = {1, n[0], n[0] * n[1]};
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
         checkCancelled();
-        const auto isApart = [&](Offset voxel) {
-            if (voxel < 0 || voxel >= std::ssize(partOf_)) return false;
-            return partOf_[voxel] != kNone && partOf_[voxel] != static_cast<Index>(p);
-        };
-        for (const Index voxel : part.voxels) {
-            // Most voxels are inside their part. Their places would take most of the time.
-            const Offset at = voxel, row = n[0], layer = row * n[1];
-            if (!isApart(at - 1) && !isApart(at + 1) && !isApart(at - row) && !isApart(at + row) &&
-                !isApart(at - layer) && !isApart(at + layer))
-                continue;
-            const auto place = placeOf(voxel);
-            Index stride = 1;
-            for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
-                for (const Index side : {0, 1}) {
-                    const Index next = place[axis] + 2 * side - 1;
-                    if (next < 0 || next >= n[axis]) continue;
-                    const Index other = partOf_[voxel + (2 * side - 1) * stride];
-                    if (other == kNone || other == static_cast<Index>(p)) continue;
-                    if (parts_[other].cube == part.cube) continue;
-                    const Index direction = 2 * axis + side;
-                    auto found = std::find_if(
-                        part.contacts.begin(), part.contacts.end(), [&](const Contact& contact) {
-                            return contact.to == other && contact.direction == direction;
-                        });
-                    if (found == part.contacts.end())
-                        found = part.contacts.insert(found, {other, direction});
-                    ++found->count;
-                }
-        }
+        for (const auto& [voxel, directions] : faces[p])
+            for (Index direction = 0; direction < kDirections; ++direction) {
+                if ((directions >> direction & 1) == 0) continue;
+                const Index next = voxel + (2 * (direction & 1) - 1) * strides[direction / 2];
+                if (!voxels_.used()[next]) continue;
+                const Index other = partOf_[voxels_.used().rank(next)];
+                auto found = std::find_if(
+                    part.contacts.begin(), part.contacts.end(), [&](const Contact& contact) {
+                        return contact.to == other && contact.direction == direction;
+                    });
+                if (found == part.contacts.end())
+                    found = part.contacts.insert(found, {other, direction});
+                ++found->count;
+            }
     }
     // Parts in neighbouring cubes that are near to each other have contacts, too.
     const Index cubeCount = counts_[0] * counts_[1] * counts_[2];
@@ -328,7 +363,7 @@ void CubeParts::leaveOut(Index number) {
             least = distance;
         }
         parts_[best].voxels.push_back(voxel);
-        partOf_[voxel] = best;
+        partOf_[voxels_.used().rank(voxel)] = best;
     }
     for (const Contact& contact : part.contacts)
         std::erase_if(parts_[contact.to].contacts,
@@ -345,7 +380,7 @@ void CubeParts::join(Index kept, Index other, int joins) {
         const Cube next = {a.cube[0] + 1, a.cube[1] + 1, a.cube[2] + 1};
         joined_ = between(cornerOf(a.cube), cornerOf(next), 0.5);
     }
-    for (const Index voxel : b.voxels) partOf_[voxel] = kept;
+    for (const Index voxel : b.voxels) partOf_[voxels_.used().rank(voxel)] = kept;
     a.voxels.insert(a.voxels.end(), b.voxels.begin(), b.voxels.end());
     a.isAdded = a.isAdded || b.isAdded;
     for (const Contact& contact : b.contacts) {

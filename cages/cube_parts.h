@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model_voxels.h"
+#include "ranked_bits.h"
 
 namespace espalier::cages {
 
@@ -83,8 +84,14 @@ public:
     const std::optional<Point3>& joined() const { return joined_; }
 
 private:
-    void findParts();
-    void findContacts();
+    /// A voxel at faces of its cube.
+    struct FaceVoxel {
+        Index voxel = 0;
+        unsigned directions = 0;  ///< bits of the faces with a voxel of the grid behind them
+    };
+    RankedBits usedCubes() const;
+    void findParts(std::vector<std::vector<FaceVoxel>>& faces);
+    void findContacts(std::span<const std::vector<FaceVoxel>> faces);
     std::array<Index, 3> placeOf(Index voxel) const;
     bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
@@ -96,7 +103,7 @@ private:
     double joinDistance_;
     Cube counts_;  ///< number of cubes along each axis
     std::vector<Part> parts_;
-    std::vector<Index> partOf_;  ///< the part of each voxel; kNone for voxels without the model
+    std::vector<Index> partOf_;  ///< the part of each voxel of the model, by its rank
     std::optional<Point3> joined_;
 };
 

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "ranked_bits.h"
 #include "surface_samples.h"
 
 namespace espalier::cages {
@@ -56,7 +57,8 @@ public:
           cells_(cells),
           options_(options),
           work_(work),
-          innerVoxels_(voxels.isUsed().size()) {}
+          knownVoxels_(voxels.used().size()),
+          innerVoxels_(voxels.used().size()) {}
 
     bool areFew();
     std::vector<FitPoint> all();
@@ -84,8 +86,7 @@ private:
     const SampleOptions& options_;
     Work& work_;
     std::vector<FitPoint> samples_;
-    enum class Inner : char { Unknown, No, Yes };
-    std::vector<Inner> innerVoxels_;  ///< what is known about each voxel
+    RankedBits knownVoxels_, innerVoxels_;  ///< the voxels of samples; those that are inner
 
     // Used by few() only.
     NumberSet taken_{0};
@@ -209,9 +210,12 @@ void Sampler::leaveOut() {
 /// The same as ModelVoxels::isInner(), which takes longer than all else and depends on the voxel
 /// only.
 bool Sampler::isInner(const Point3& local) {
-    Inner& inner = innerVoxels_[voxels_.grid().cubeOf(local)];
-    if (inner == Inner::Unknown) inner = voxels_.isInner(local) ? Inner::Yes : Inner::No;
-    return inner == Inner::Yes;
+    const std::size_t voxel = voxels_.grid().cubeOf(local);
+    if (!knownVoxels_[voxel]) {
+        knownVoxels_.insert(voxel);
+        if (voxels_.isInner(local)) innerVoxels_.insert(voxel);
+    }
+    return innerVoxels_[voxel];
 }
 
 /// Returns a number for the part of a voxel that holds a point, and for the side of a cube that its

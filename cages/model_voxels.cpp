@@ -135,15 +135,14 @@ private:
 };
 
 /// Marks the cubes that a triangle meets.
-void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
-                  std::vector<char>& marks) {
+void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle, RankedBits& marks) {
     BoundingBox box;
     for (const Point3& corner : triangle) box.include(corner);
     const double around = 1e-9 * grid.size;
     const auto from = grid.coordinatesOf(difference(box.min, {around, around, around}));
     const auto to = grid.coordinatesOf(sum(box.max, {around, around, around}));
     if (from == to) {
-        marks[grid.cubeAt(from)] = 1;
+        marks.insert(grid.cubeAt(from));
         return;
     }
     std::array<Point3, 3> inCubes;
@@ -159,8 +158,8 @@ void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
                 const auto last = static_cast<Index>(std::min<double>(high, to[in.heights]));
                 const Offset ofColumn = row * strides[in.rows] + column * strides[in.columns];
                 for (Index height = first; height <= last; ++height) {
-                    char& mark = marks[ofColumn + height * strides[in.heights]];
-                    if (mark != 0) continue;
+                    const Offset number = ofColumn + height * strides[in.heights];
+                    if (marks[number]) continue;
                     std::array<Index, 3> cube;
                     cube[in.rows] = row;
                     cube[in.columns] = column;
@@ -168,13 +167,13 @@ void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
                     Point3 centre;
                     for (int axis = 0; axis < 3; ++axis)
                         centre[axis] = grid.origin[axis] + (cube[axis] + 0.5) * grid.size;
-                    if (meetsCube(triangle, centre, grid.size)) mark = 1;
+                    if (meetsCube(triangle, centre, grid.size)) marks.insert(number);
                 }
             });
 }
 
 void markTriangles(const CubeGrid& grid, std::span<const Triangle> triangles,
-                   std::span<const Point3> points, std::vector<char>& marks) {
+                   std::span<const Point3> points, RankedBits& marks) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         checkCancelledEvery(i, 6);
         const Triangle& t = triangles[i];
@@ -231,29 +230,30 @@ void addCrossings(const CubeGrid& grid, const std::array<Point3, 3>& triangle, I
 ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> points,
                          const VoxelOptions& options)
     : grid_(gridAround(points, options.size, std::max(options.around, options.gap))),
-      isUsed_(grid_.cubeCount(), 0),
+      used_(grid_.cubeCount()),
       signs_(surface.closedPieces().size(), 1) {
-    markTriangles(grid_, surface.triangles(), points, isUsed_);
+    markTriangles(grid_, surface.triangles(), points, used_);
     if (!options.isShell) {
         markClosed(surface, points);
         if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
-        isSolid_ = isUsed_;
+        solid_ = used_;
     }
     if (options.around > 0)
-        VoxelSet(grid_.counts, isUsed_)
-            .within(options.around / grid_.size)
-            .forEach([&](Index voxel) { isUsed_[voxel] = 1; });
+        VoxelSet(grid_.counts, used_).within(options.around / grid_.size).forEach([&](Index voxel) {
+            used_.insert(voxel);
+        });
+    used_.makeRanks();
 }
 
 bool ModelVoxels::isInner(const Point3& point) const {
-    if (isSolid_.empty()) return false;
+    if (solid_.size() == 0) return false;
     const auto place = grid_.coordinatesOf(point);
     for (Index z = place[2] - 2; z <= place[2] + 2; ++z)
         for (Index y = place[1] - 2; y <= place[1] + 2; ++y)
             for (Index x = place[0] - 2; x <= place[0] + 2; ++x) {
                 const bool isInGrid = x >= 0 && y >= 0 && z >= 0 && x < grid_.counts[0] &&
                                       y < grid_.counts[1] && z < grid_.counts[2];
-                if (!isInGrid || isSolid_[grid_.cubeAt({x, y, z})] == 0) return false;
+                if (!isInGrid || !solid_[grid_.cubeAt({x, y, z})]) return false;
             }
     return true;
 }
@@ -302,20 +302,20 @@ void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3
             if (winding == 0) continue;
             const Index end =
                 last > 0 && crossings[last - 1].column == column ? crossings[last - 1].height : -1;
-            for (Index z = above.height; z > end; --z) isUsed_[z * plane + column] = 1;
+            for (Index z = above.height; z > end; --z) used_.insert(z * plane + column);
         }
     }
 }
 
 void ModelVoxels::markEnclosed(const ModelSurface& surface, std::span<const Point3> points,
                                double gap) {
-    std::vector<char> walls(isUsed_.size(), 0);
+    RankedBits walls(used_.size());
     markTriangles(grid_, surface.openTriangles(), points, walls);
     // The voxels of the border are free: the grid is wider than the model by the gap.
     const double radius = gap / 2 / grid_.size;
     const VoxelSet free = VoxelSet(grid_.counts, walls).within(radius).complement();
     free.connectedWithFirst().within(radius).complement().forEach(
-        [&](Index voxel) { isUsed_[voxel] = 1; });
+        [&](Index voxel) { used_.insert(voxel); });
 }
 
 }  // namespace espalier::cages

@@ -3,13 +3,13 @@
 
 #include <espalier/base/point.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "model_surface.h"
 #include "point_groups.h"
+#include "ranked_bits.h"
 
 namespace espalier::cages {
 
@@ -39,9 +39,8 @@ public:
 
     const CubeGrid& grid() const { return grid_; }
 
-    /// For each cube of the grid, whether it belongs to the model or its surroundings.
-    std::span<const char> isUsed() const { return isUsed_; }
-    std::size_t usedCount() const { return std::ranges::count(isUsed_, 1); }
+    /// The cubes of the grid that belong to the model or its surroundings, with their ranks.
+    const RankedBits& used() const { return used_; }
 
     /// Returns true if a point is in the solid, two voxels or more away from its boundary.
     bool isInner(const Point3& point) const;
@@ -54,8 +53,8 @@ private:
     void markEnclosed(const ModelSurface& surface, std::span<const Point3> points, double gap);
 
     CubeGrid grid_;
-    std::vector<char> isUsed_;
-    std::vector<char> isSolid_;  ///< empty for a shell
+    RankedBits used_;
+    RankedBits solid_;  ///< empty for a shell
     std::vector<int> signs_;
 };
 

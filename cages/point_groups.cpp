@@ -44,21 +44,26 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
 }
 
 PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
-    : grid_(grid), blocks_(grid.origin, grid.end(), kCubesPerBlock * grid.size) {
+    : grid_(grid),
+      cubes_(grid.cubeCount()),
+      blocks_(grid.origin, grid.end(), kCubesPerBlock * grid.size) {
     // Numbers are sorted instead of the points, which take twelve times the memory: first by cubes.
     // Until all groups are made, firstOfCube_ holds the end of the numbers of each cube.
     std::vector<std::uint32_t> numbers(points.size());
-    firstOfCube_.assign(Offset{grid.cubeCount()} + 1, 0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        checkCancelledEvery(i, 16);
-        ++firstOfCube_[grid.cubeOf(points[i].position) + 1];
-    }
+    const auto forEachPoint = [&](auto visit) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            checkCancelledEvery(i, 16);
+            visit(i, grid.cubeOf(points[i].position));
+        }
+    };
+    forEachPoint([&](std::size_t, Index cube) { cubes_.insert(cube); });
+    cubes_.makeRanks();
+    firstOfCube_.assign(cubes_.count() + 1, 0);
+    forEachPoint([&](std::size_t, Index cube) { ++firstOfCube_[cubes_.rank(cube) + 1]; });
     std::partial_sum(firstOfCube_.begin(), firstOfCube_.end(), firstOfCube_.begin());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        checkCancelledEvery(i, 16);
-        numbers[firstOfCube_[grid.cubeOf(points[i].position)]++] = static_cast<std::uint32_t>(i);
-    }
-    firstOfCube_.pop_back();
+    forEachPoint([&](std::size_t i, Index cube) {
+        numbers[firstOfCube_[cubes_.rank(cube)]++] = static_cast<std::uint32_t>(i);
+    });
 
     Index normalCount = 0;
     const auto endGroup = [&] {
@@ -112,14 +117,16 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
         return key(a) < key(b);
     };
     auto begin = numbers.begin();
-    for (Index cube = 0; cube < grid.cubeCount(); ++cube) {
-        checkCancelledEvery(cube, 8);
-        Index& first = firstOfCube_[cube];
+    std::size_t rank = 0;
+    cubes_.forEach([&](std::size_t cube) {
+        checkCancelledEvery(rank, 8);
+        Index& first = firstOfCube_[rank++];
         const auto end = numbers.begin() + first;
-        first = begin == end ? -1 : static_cast<Index>(groups_.size());
+        first = static_cast<Index>(groups_.size());
         sortCancellably(begin, end, isBefore);
-        for (; begin != end; ++begin) add(cube, points[*begin]);
-    }
+        for (; begin != end; ++begin) add(static_cast<Index>(cube), points[*begin]);
+    });
+    firstOfCube_.back() = static_cast<Index>(groups_.size());
     endGroup();
 
     makeBlocks();

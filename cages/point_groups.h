@@ -16,6 +16,7 @@
 
 #include "bins.h"
 #include "oriented_box.h"
+#include "ranked_bits.h"
 
 namespace espalier::cages {
 
@@ -189,11 +190,10 @@ public:
     /// Calls visit(group) for the groups in a cube, by ascending cells.
     template <class Visit>
     void forEachInCube(Index cube, Visit visit) const {
-        const Index first = firstOfCube_[cube];
-        for (Index group = first; group >= 0 && group < std::ssize(groups_); ++group) {
-            if (groups_[group].cube != cube) break;
+        if (!cubes_[cube]) return;
+        const std::size_t rank = cubes_.rank(cube);
+        for (Index group = firstOfCube_[rank]; group < firstOfCube_[rank + 1]; ++group)
             visit(group);
-        }
     }
 
     /// Returns the point of a group that is farthest along `direction`.
@@ -242,7 +242,8 @@ private:
     CubeGrid grid_;
     std::vector<Point3> points_;
     std::vector<Group> groups_;
-    std::vector<Index> firstOfCube_;  ///< the first group; −1 for an empty cube
+    RankedBits cubes_;                ///< the cubes with points
+    std::vector<Index> firstOfCube_;  ///< the first group of each of them; the number of groups
 
     // Lists of the groups in each block of cubes. Groups that nearest() may return can be far away,
     // behind many empty cubes and many groups that it may not return. So each block has one list

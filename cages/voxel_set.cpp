@@ -54,12 +54,13 @@ VoxelSet::VoxelSet(const std::array<Index, 3>& counts)
       lastBits_(kAllBits >> (64 * rowSize_ - counts[0])),
       words_(rowCount() * rowSize_, 0) {}
 
-VoxelSet::VoxelSet(const std::array<Index, 3>& counts, std::span<const char> marks)
+VoxelSet::VoxelSet(const std::array<Index, 3>& counts, const RankedBits& voxels)
     : VoxelSet(counts) {
     for (std::size_t number = 0; number < rowCount(); ++number) {
         const Row bits = row(number);
-        const auto line = marks.subspan(number * counts[0]);
-        for (Index x = 0; x < counts[0]; ++x) bits[x / 64] |= Word{line[x] != 0} << x % 64;
+        for (std::size_t i = 0; i < rowSize_; ++i)
+            bits[i] = voxels.from(number * counts[0] + 64 * i);
+        bits.back() &= lastBits_;
     }
 }
 

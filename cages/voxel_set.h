@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "ranked_bits.h"
+
 namespace espalier::cages {
 
 /// A set of voxels of a grid, one bit each. 64 neighbours along x are one word, so that operations
@@ -19,9 +21,8 @@ public:
     /// \param counts of the grid, 1 or more
     explicit VoxelSet(const std::array<Index, 3>& counts);
 
-    /// Adds the voxels with a mark that is not 0.
-    /// \param marks one per voxel, x fastest
-    VoxelSet(const std::array<Index, 3>& counts, std::span<const char> marks);
+    /// \param voxels the members by their numbers, x fastest
+    VoxelSet(const std::array<Index, 3>& counts, const RankedBits& voxels);
 
     bool contains(const std::array<Index, 3>& voxel) const;
 

@@ -37,7 +37,7 @@ void expectSolid(const ModelVoxels& voxels, Distance distance) {
         const double here = distance(centreOf(grid, cube));
         if (std::abs(here) < 1.1 * grid.size) continue;
         ++sure;
-        wrong += (here < 0) != (voxels.isUsed()[cube] != 0);
+        wrong += (here < 0) != (voxels.used()[cube] != 0);
     }
     EXPECT_EQ(wrong, 0);
     EXPECT_GT(sure, 1000);
@@ -92,7 +92,7 @@ FaceModel looseBox(double half) {
 
 TEST(ModelVoxels, fillSpaceBehindNarrowGaps) {
     const auto isFilled = [](const ModelVoxels& voxels) {
-        return voxels.isUsed()[voxels.grid().cubeOf({0.1, 0, 0})] != 0;
+        return voxels.used()[voxels.grid().cubeOf({0.1, 0, 0})] != 0;
     };
     // The gaps along the edges are √2 · 0.1 wide.
     EXPECT_TRUE(isFilled(voxelsOf(looseBox(0.9), {.size = 0.04, .gap = 0.3})));
@@ -109,10 +109,10 @@ TEST(ModelVoxels, fillAShell) {
         // from the centre of a cube that it meets.
         const double away = std::abs(length(centreOf(grid, cube)) - 1);
         if (away < kRadius - 0.05) {
-            EXPECT_TRUE(voxels.isUsed()[cube]);
+            EXPECT_TRUE(voxels.used()[cube]);
         }
         if (away > kRadius + 0.05) {
-            EXPECT_FALSE(voxels.isUsed()[cube]);
+            EXPECT_FALSE(voxels.used()[cube]);
         }
     }
 }
@@ -125,7 +125,7 @@ TEST(ModelVoxels, knowInnerPoints) {
     EXPECT_FALSE(voxels.isInner({1.5, 0, 0}));
     // Surroundings are not the solid, and a shell has no inside.
     const ModelVoxels wider = voxelsOf(test::ballModel(4), {.size = 0.05, .around = 0.5});
-    EXPECT_TRUE(wider.isUsed()[wider.grid().cubeOf({1.4, 0, 0})]);
+    EXPECT_TRUE(wider.used()[wider.grid().cubeOf({1.4, 0, 0})]);
     EXPECT_FALSE(wider.isInner({0.97, 0, 0}));
     const ModelVoxels shell =
         voxelsOf(test::ballModel(4), {.size = 0.05, .isShell = true, .around = 0.5});
@@ -184,7 +184,7 @@ TEST(ModelVoxels, areTheCubesThatATriangleMeets) {
             const bool isNear = comesNear(t, centre, 0.49 * grid.size, 12);
             if (isNear != comesNear(t, centre, 0.51 * grid.size, 12)) continue;
             ++sure;
-            ASSERT_EQ(voxels.isUsed()[cube] != 0, isNear || cube == first || cube == last)
+            ASSERT_EQ(voxels.used()[cube] != 0, isNear || cube == first || cube == last)
                 << "triangle " << number << ", cube " << cube;
         }
     }
@@ -194,7 +194,7 @@ TEST(ModelVoxels, areTheCubesThatATriangleMeets) {
 TEST(ModelVoxels, containTheSurfaceOfThinModels) {
     const FaceModel sheet = test::sheetModel();
     const ModelVoxels voxels = voxelsOf(sheet, {.size = 0.1, .gap = 0.2});
-    for (const Point3& p : sheet.points) EXPECT_TRUE(voxels.isUsed()[voxels.grid().cubeOf(p)]);
+    for (const Point3& p : sheet.points) EXPECT_TRUE(voxels.used()[voxels.grid().cubeOf(p)]);
 }
 
 }  // namespace

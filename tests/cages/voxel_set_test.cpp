@@ -24,6 +24,13 @@ Counts placeOf(Index voxel, const Counts& counts) {
 constexpr std::array<Counts, 6> kGrids = {
     {{1, 1, 1}, {7, 5, 6}, {64, 3, 4}, {65, 4, 3}, {130, 2, 5}, {3, 1, 9}}};
 
+RankedBits bitsOf(std::span<const char> marks) {
+    RankedBits bits(marks.size());
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        if (marks[i] != 0) bits.insert(i);
+    return bits;
+}
+
 /// One of `rarity` voxels has a mark.
 std::vector<char> randomMarks(const Counts& counts, unsigned rarity, unsigned seed) {
     std::mt19937 random(seed);
@@ -35,7 +42,7 @@ std::vector<char> randomMarks(const Counts& counts, unsigned rarity, unsigned se
 TEST(VoxelSet, holdsItsMarks) {
     for (const Counts& counts : kGrids) {
         const auto marks = randomMarks(counts, 3, 1);
-        const VoxelSet set(counts, marks);
+        const VoxelSet set(counts, bitsOf(marks));
         EXPECT_EQ(marksOf(set, counts), marks);
         std::vector<char> others = marks;
         for (std::size_t i = 0; i < marks.size(); ++i) {
@@ -63,7 +70,7 @@ TEST(VoxelSet, holdsTheVoxelsWithinARadius) {
                             square += (a[axis] - b[axis]) * (a[axis] - b[axis]);
                         if (square <= radius * radius) expected[i] = 1;
                     }
-                EXPECT_EQ(marksOf(VoxelSet(counts, marks).within(radius), counts), expected)
+                EXPECT_EQ(marksOf(VoxelSet(counts, bitsOf(marks)).within(radius), counts), expected)
                     << radius;
             }
 }
@@ -90,7 +97,8 @@ TEST(VoxelSet, findsTheVoxelsConnectedWithTheFirst) {
                     isChanged = isChanged || expected[i] != 0;
                 }
             }
-            EXPECT_EQ(marksOf(VoxelSet(counts, marks).connectedWithFirst(), counts), expected);
+            EXPECT_EQ(marksOf(VoxelSet(counts, bitsOf(marks)).connectedWithFirst(), counts),
+                      expected);
         }
 }
 
