@@ -71,6 +71,19 @@ ESPALIER_C_API espalier_status
 espalier_lattice_create_around(int64_t point_count, const double* points,
                                const espalier_around_options* options, espalier_lattice** lattice);
 
+/// The planes about which a cage is symmetric, across the coordinate axes (cages/cage.h).
+enum {
+    ESPALIER_SYMMETRIC_AUTO = 0,  ///< all planes about which the model is symmetric
+    ESPALIER_SYMMETRIC_NONE = 1,
+    ESPALIER_SYMMETRIC_X = 2,  ///< the plane across x, whatever the model is like
+    ESPALIER_SYMMETRIC_Y = 3,
+    ESPALIER_SYMMETRIC_Z = 4,
+    ESPALIER_SYMMETRIC_XY = 5,  ///< two planes
+    ESPALIER_SYMMETRIC_XZ = 6,
+    ESPALIER_SYMMETRIC_YZ = 7,
+    ESPALIER_SYMMETRIC_XYZ = 8
+};
+
 /// A lattice that follows the shape of a model (cages/cage.h). Start from
 /// espalier_default_cage_options(): later versions may add fields, and `size` tells the library
 /// which fields exist.
@@ -87,6 +100,9 @@ typedef struct espalier_cage_options {
                          ///< default 0
     double shell;        ///< above 0: the lattice is made around the surface only, and contains all
                          ///< points within half of this distance; default 0: around the solid
+    double symmetry;     ///< largest distance of a mirrored point from the model that counts as
+                         ///< symmetric, as a fraction of the diagonal: 0 to 1; default 1e-4
+    int32_t symmetric;   ///< ESPALIER_SYMMETRIC_...; default AUTO
 } espalier_cage_options;
 
 static inline espalier_cage_options espalier_default_cage_options(void) {
@@ -97,6 +113,8 @@ static inline espalier_cage_options espalier_default_cage_options(void) {
     options.cell_size = 0;
     options.margin = 0;
     options.shell = 0;
+    options.symmetry = 1e-4;
+    options.symmetric = ESPALIER_SYMMETRIC_AUTO;
     return options;
 }
 

@@ -16,6 +16,8 @@
 using namespace espalier;
 
 static_assert(static_cast<int>(shapes::Core::Polygon) == ESPALIER_CORE_POLYGON);
+static_assert(static_cast<int>(cages::Symmetric::None) == ESPALIER_SYMMETRIC_NONE);
+static_assert(static_cast<int>(cages::Symmetric::XYZ) == ESPALIER_SYMMETRIC_XYZ);
 static_assert(static_cast<int>(shapes::TorusSection::Disk) == ESPALIER_SECTION_DISK);
 
 namespace espalier::c {
@@ -79,12 +81,15 @@ espalier_status espalier_lattice_create_cage(int32_t point_count, const double* 
         const auto chosen = c::optionsOrDefaults(options, espalier_default_cage_options(),
                                                  "espalier_default_cage_options");
         const std::vector<std::size_t> ends(offsets.begin() + 1, offsets.end());
-        return new espalier_lattice{
-            cages::cage({places, corners, ends}, {.vertices = chosen.vertices,
-                                                  .cellSize = chosen.cell_size,
-                                                  .margin = chosen.margin,
-                                                  .shell = chosen.shell,
-                                                  .keepApart = chosen.keep_apart != 0})};
+        return new espalier_lattice{cages::cage(
+            {places, corners, ends},
+            {.vertices = chosen.vertices,
+             .cellSize = chosen.cell_size,
+             .margin = chosen.margin,
+             .shell = chosen.shell,
+             .keepApart = chosen.keep_apart != 0,
+             .symmetric = c::choice(chosen.symmetric, cages::Symmetric::XYZ, "symmetric"),
+             .symmetry = chosen.symmetry})};
     });
 }
 

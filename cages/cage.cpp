@@ -3,6 +3,7 @@
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/cages/cage.h>
 #include <espalier/shapes/around.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +23,7 @@
 #include "model_samples.h"
 #include "model_surface.h"
 #include "model_voxels.h"
+#include "symmetry.h"
 #include "work.h"
 
 namespace espalier::cages {
@@ -59,6 +62,11 @@ struct CellChoice {
 constexpr std::array<CellChoice, 4> kCellChoices = {
     {{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}, {2, 0, 4, 0.1}}};
 constexpr std::array<CellChoice, 2> kCellChoicesApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
+
+/// If a lattice that is symmetric about planes that the model has by itself is not found with the
+/// first kSymmetricChoices choices of cells, or this part of the work, other planes are tried.
+constexpr std::size_t kSymmetricChoices = 2;
+constexpr double kWorkOfSymmetry = 0.25;
 
 /// Lattices of one choice that are fitted before the next choice is tried.
 constexpr std::size_t kMaxFits = 3;
@@ -106,7 +114,17 @@ Point3 fromFrame(const Axes& axes, const Point3& p) {
 struct Frame {
     Axes axes;
     std::vector<Point3> points;
-    Point3 size = BoundingBox(points).size();
+    MirrorPlanes mirrors;  ///< across axes that are coordinate axes
+    Point3 size = sizeOf(points, mirrors);
+
+    static Point3 sizeOf(std::span<const Point3> points, const MirrorPlanes& mirrors) {
+        const BoundingBox box(points);
+        Point3 size = box.size();
+        for (int axis = 0; axis < 3; ++axis)
+            if (const auto& plane = mirrors[axis])
+                size[axis] = 2 * std::max(*plane - box.min[axis], box.max[axis] - *plane);
+        return size;
+    }
 };
 
 /// A grid to try.
@@ -129,14 +147,73 @@ Axes orientedAxes(std::span<const Point3> points) {
     return axes;
 }
 
+/// Returns axes of which one is a coordinate axis. The two others are along the smallest rectangle
+/// around the points seen along this axis: one of its sides is along a side of the convex hull.
+Axes axesWith(int axis, std::span<const Point3> points) {
+    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+    using Place = std::array<double, 2>;
+    std::vector<Place> places, hull;
+    for (const Point3& point : points) places.push_back({point[first], point[second]});
+    std::ranges::sort(places);
+    // Twice the lower half of the hull, the second time backwards.
+    for (const bool isUpper : {false, true}) {
+        const std::size_t begin = hull.size();
+        for (const Place& place : places) {
+            while (hull.size() >= begin + 2) {
+                const Place &a = hull[hull.size() - 2], &b = hull.back();
+                if ((b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]) > 0)
+                    break;
+                hull.pop_back();
+            }
+            hull.push_back(place);
+        }
+        if (!isUpper) std::ranges::reverse(places);
+    }
+    Place best = {1, 0};
+    double least = std::numeric_limits<double>::infinity();
+    const double size = BoundingBox(points).diagonal();
+    for (std::size_t i = 0; i + 1 < hull.size(); ++i) {
+        checkCancelledEvery(i, 8);
+        Place way = {hull[i + 1][0] - hull[i][0], hull[i + 1][1] - hull[i][1]};
+        const double length = std::hypot(way[0], way[1]);
+        if (!(length > 0)) continue;
+        way = {way[0] / length, way[1] / length};
+        Place low, high;
+        low.fill(std::numeric_limits<double>::infinity());
+        high.fill(-std::numeric_limits<double>::infinity());
+        for (const Place& at : hull) {
+            const Place turned = {way[0] * at[0] + way[1] * at[1], way[0] * at[1] - way[1] * at[0]};
+            for (std::size_t k = 0; k < 2; ++k) {
+                low[k] = std::min(low[k], turned[k]);
+                high[k] = std::max(high[k], turned[k]);
+            }
+        }
+        const double thin = 1e-3 * size;  // for flat models
+        const double area = (high[0] - low[0] + thin) * (high[1] - low[1] + thin);
+        if (area >= least) continue;
+        least = area;
+        best = way;
+    }
+    Axes axes = kCoordinateAxes;
+    axes[first][first] = axes[second][second] = best[0];
+    axes[first][second] = best[1];
+    axes[second][first] = -best[1];
+    return axes;
+}
+
+bool isSymmetric(const Frame& frame) {
+    return frame.mirrors != MirrorPlanes();
+}
+
 class CageMaker {
 public:
     CageMaker(const SurfaceModel& model, const CageOptions& options);
-    Lattice make();
+    Lattice make(ModelSymmetry& symmetry);
 
 private:
     double padding() const { return std::max(margin_, choice_.padding * diagonal_); }
-    void addFrames();
+    std::vector<std::array<bool, 3>> planeChoices(const ModelSymmetry& symmetry) const;
+    void addFrames(const MirrorPlanes& mirrors);
     void choose(const CellChoice& choice);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
@@ -149,7 +226,7 @@ private:
     void addCandidate(const ModelVoxels& voxels, Candidate candidate,
                       std::vector<Candidate>& found);
     Lattice fit(const Candidate& candidate);
-    std::optional<Lattice> findLattice(std::string& failure);
+    std::optional<Lattice> findLattice(std::span<const CellChoice> choices, std::string& failure);
     Index vertexEstimate() const;
 
     ModelSurface surface_;
@@ -188,17 +265,21 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
                                    ", too large for its diagonal of ", textOf(diagonal_),
                                    "; move the model to the origin"));
     requireNumber(options.shell, "shell", 2 * diagonal_);
+    requireNumber(options.symmetry, "symmetry", 1);
     margin_ = options.margin * diagonal_ + options.shell / 2;
-    addFrames();
-    work_ = Work(mostWork(surface_.triangles().size(), options, vertexEstimate()));
+    addFrames({});
     choose(kCellChoices.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
                             concat("at least ", smallestSize_, " for this model"));
 }
 
-void CageMaker::addFrames() {
-    frames_.push_back({kCoordinateAxes, surface_.points()});
+/// Sets the axes that grids are tried along.
+void CageMaker::addFrames(const MirrorPlanes& mirrors) {
+    frames_.clear();
+    frames_.push_back({kCoordinateAxes, surface_.points(), mirrors});
+    const auto planeCount = std::ranges::count_if(mirrors, [](const auto& at) { return !!at; });
+    if (planeCount > 1) return;
     // Other axes are worth their time if their box is clearly smaller.
     constexpr double kSmaller = 0.8;
     const double least = 1e-3 * diagonal_;  // of a side, for flat models
@@ -206,11 +287,14 @@ void CageMaker::addFrames() {
         return (size[0] + least) * (size[1] + least) * (size[2] + least);
     };
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
-    const Axes axes = orientedAxes(points);
+    Axes axes;
+    if (planeCount == 0) axes = orientedAxes(points);
+    for (int axis = 0; axis < 3; ++axis)
+        if (mirrors[axis]) axes = axesWith(axis, points);
     std::vector<Point3> turned;
     for (const Point3& point : surface_.points()) turned.push_back(toFrame(axes, point));
     if (volume(BoundingBox(turned).size()) < kSmaller * volume(BoundingBox(points).size()))
-        frames_.push_back({axes, std::move(turned)});
+        frames_.push_back({axes, std::move(turned), mirrors});
 }
 
 void CageMaker::choose(const CellChoice& choice) {
@@ -234,7 +318,8 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
         perEdge = static_cast<Index>(std::max<double>(
             kVoxelsPerEdgeApart, std::ceil(kVoxelsAcrossApart * cellSize / diagonal_)));
     while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) --perEdge;
-    return perEdge;
+    // A plane of symmetry may be in the middle of a cell.
+    return isSymmetric(frame) ? perEdge / 2 * 2 : perEdge;
 }
 
 /// Returns the least size of cells that two voxels along an edge allow.
@@ -253,10 +338,13 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
     const double marks = sizes_.area / (size * size) + sizes_.perimeter / size;
     work_.add(kPerVoxel * voxelCount(frame, cellSize, voxelsPerEdge(frame, cellSize)) +
               kPerTriangle * static_cast<double>(surface_.triangles().size()) + kPerMark * marks);
-    return {
-        surface_,
-        frame.points,
-        {.size = size, .isShell = options_.shell > 0, .around = padding(), .gap = cellSize / 2}};
+    return {surface_,
+            frame.points,
+            {.size = size,
+             .isShell = options_.shell > 0,
+             .around = padding(),
+             .gap = cellSize / 2,
+             .mirrors = frame.mirrors}};
 }
 
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
@@ -265,12 +353,21 @@ GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candida
               kPerUsedVoxel * static_cast<double>(voxels.used().count()));
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
     std::array<Index, 3> offset;
-    for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;
+    unsigned mirrorAxes = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        offset[axis] = candidate.offset[axis] * k / 2;
+        if (!frames_[candidate.frame].mirrors[axis]) continue;
+        // The plane is between two cells, or in the middle of one.
+        mirrorAxes |= 1u << axis;
+        offset[axis] += k - voxels.grid().counts[axis] / 2 % k;
+        offset[axis] %= k;
+    }
     return {voxels,
             {.voxelsPerEdge = k,
              .offset = offset,
              .joinDistance = std::max(1.0, choice_.joinDistance * k),
-             .reach = choice_.reach * k}};
+             .reach = choice_.reach * k,
+             .mirrorAxes = mirrorAxes}};
 }
 
 /// Returns the number of vertices that bounds the work: the wanted one, or all cells of the given
@@ -364,10 +461,15 @@ Lattice CageMaker::fit(const Candidate& candidate) {
     const Frame& frame = frames_[candidate.frame];
     Lattice start;
     std::vector<FitPoint> samples;
+    std::vector<VertexMirror> mirrors;
     {
         const ModelVoxels voxels = voxelsOf(frame, candidate.cellSize);
         const GridCells cells = cellsOf(voxels, candidate);
         start = cells.build();
+        for (int axis = 0; axis < 3; ++axis)
+            if (const auto& plane = frame.mirrors[axis])
+                mirrors.push_back(
+                    {axis, *plane, unitOfMirror(*plane, diagonal_), cells.vertexImages(axis)});
         samples = sampleModel(surface_, voxels, cells,
                               {.spacing = candidate.cellSize / 8,
                                .isShell = options_.shell > 0,
@@ -379,7 +481,8 @@ Lattice CageMaker::fit(const Candidate& candidate) {
     return fitCage(std::move(start), std::move(samples),
                    {.margin = margin_,
                     .maxRounds = margin_ > 0 ? kRoundsWithMargin : FitOptions().maxRounds,
-                    .maxAttempts = choice_.attempts},
+                    .maxAttempts = choice_.attempts,
+                    .mirrors = std::move(mirrors)},
                    work_);
 }
 
@@ -394,9 +497,9 @@ std::string loosePointText(const ModelSurface& surface) {
 
 /// Returns the first lattice that is proved; none if there is none.
 /// \param failure gets the reason why the last one is not
-std::optional<Lattice> CageMaker::findLattice(std::string& failure) {
-    for (const CellChoice& choice :
-         options_.keepApart ? std::span<const CellChoice>(kCellChoicesApart) : kCellChoices) {
+std::optional<Lattice> CageMaker::findLattice(std::span<const CellChoice> choices,
+                                              std::string& failure) {
+    for (const CellChoice& choice : choices) {
         choose(choice);
         // Room around the model takes voxels, too.
         if (options_.cellSize > 0 && options_.cellSize < smallestSize_) continue;
@@ -411,14 +514,62 @@ std::optional<Lattice> CageMaker::findLattice(std::string& failure) {
     return std::nullopt;
 }
 
-Lattice CageMaker::make() {
+/// Returns the axes across which the lattice is to be symmetric: the first choice, and others if no
+/// lattice can be fitted.
+std::vector<std::array<bool, 3>> CageMaker::planeChoices(const ModelSymmetry& symmetry) const {
+    std::array<bool, 3> all = {};
+    const Symmetric given = options_.symmetric;
+    const auto isOneOf = [&](std::initializer_list<Symmetric> choices) {
+        return std::ranges::find(choices, given) != choices.end();
+    };
+    if (given != Symmetric::Auto) {
+        all[0] = isOneOf({Symmetric::X, Symmetric::XY, Symmetric::XZ, Symmetric::XYZ});
+        all[1] = isOneOf({Symmetric::Y, Symmetric::XY, Symmetric::YZ, Symmetric::XYZ});
+        all[2] = isOneOf({Symmetric::Z, Symmetric::XZ, Symmetric::YZ, Symmetric::XYZ});
+        return {all};
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        all[axis] = symmetry.planes[axis].off <= options_.symmetry;
+    std::vector<std::array<bool, 3>> choices = {all};
+    if (std::ranges::count(all, true) > 1)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (all[axis]) choices.emplace_back()[axis] = true;
+    if (choices.back() != std::array<bool, 3>()) choices.emplace_back();
+    return choices;
+}
+
+Lattice CageMaker::make(ModelSymmetry& symmetry) {
+    symmetry = {};
+    if (options_.symmetric != Symmetric::None) {
+        symmetry.planes = measureSymmetry(surface_, options_.symmetry);
+        symmetry.isMeasured = true;
+        symmetry.tolerance = options_.symmetry;
+    }
+    const double most = mostWork(surface_.triangles().size(), options_, vertexEstimate());
+    const std::span<const CellChoice> cells =
+        options_.keepApart ? std::span<const CellChoice>(kCellChoicesApart) : kCellChoices;
     std::string failure, end;
-    try {
-        if (auto found = findLattice(failure)) return std::move(*found);
-    } catch (const WorkError&) {
-        end =
-            concat("; the search ended early, after the most work for a lattice of this size and ",
-                   surface_.triangles().size(), " triangles");
+    const auto choices = planeChoices(symmetry);
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+        MirrorPlanes mirrors;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            symmetry.planes[axis].isUsed = choices[i][axis];
+            if (choices[i][axis]) mirrors[axis] = symmetry.planes[axis].at;
+        }
+        // A search that is not the last one is short.
+        const bool isLast = i + 1 == choices.size();
+        work_ = Work(isLast ? most : kWorkOfSymmetry * most);
+        failure.clear();
+        end.clear();
+        try {
+            addFrames(mirrors);
+            if (auto found = findLattice(isLast ? cells : cells.first(kSymmetricChoices), failure))
+                return std::move(*found);
+        } catch (const WorkError&) {
+            end = concat(
+                "; the search ended early, after the most work for a lattice of this size and ",
+                surface_.triangles().size(), " triangles");
+        }
     }
     const std::string wanted = options_.cellSize > 0
                                    ? concat("with cells of the size ", textOf(options_.cellSize))
@@ -428,13 +579,17 @@ Lattice CageMaker::make() {
                        loosePointText(surface_),
                        options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
                        end.empty() ? "" : ", or a model of fewer faces that overlap",
-                       options_.keepApart ? ", or without keeping parts apart" : ""));
+                       options_.keepApart ? ", or without keeping parts apart" : "",
+                       isSymmetric(frames_.front()) ? ", or without symmetry" : ""));
 }
 
 }  // namespace
 
-Lattice cage(const SurfaceModel& model, const CageOptions& options) {
-    return CageMaker(model, options).make();
+Lattice cage(const SurfaceModel& model, const CageOptions& options, ModelSymmetry* symmetry) {
+    ModelSymmetry found;
+    Lattice lattice = CageMaker(model, options).make(found);
+    if (symmetry != nullptr) *symmetry = found;
+    return lattice;
 }
 
 }  // namespace espalier::cages

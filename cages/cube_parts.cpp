@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace espalier::cages {
@@ -23,6 +25,11 @@ bool areConnected(unsigned faces) {
     return reached == faces;
 }
 
+/// Returns a direction mirrored across axes.
+Index mirroredDirection(Index direction, unsigned axes) {
+    return (axes >> (direction / 2) & 1) != 0 ? opposite(direction) : direction;
+}
+
 /// Returns true if some faces of a cube form a disk.
 bool isDisk(unsigned faces) {
     return faces != 0 && faces != 63 && areConnected(faces) && areConnected(63 & ~faces);
@@ -31,8 +38,12 @@ bool isDisk(unsigned faces) {
 }  // namespace
 
 CubeParts::CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset,
-                     double joinDistance)
-    : voxels_(voxels), perEdge_(perEdge), offset_(offset), joinDistance_(joinDistance) {
+                     double joinDistance, unsigned mirrorAxes)
+    : voxels_(voxels),
+      perEdge_(perEdge),
+      offset_(offset),
+      joinDistance_(joinDistance),
+      mirrorAxes_(mirrorAxes) {
     for (int axis = 0; axis < 3; ++axis) {
         // A layer of cubes on both sides.
         offset_[axis] += perEdge_;
@@ -41,6 +52,64 @@ CubeParts::CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offse
     std::vector<std::vector<FaceVoxel>> faces;
     findParts(faces);
     findContacts(faces);
+    findImages();
+}
+
+void CubeParts::findImages() {
+    joinedTo_.resize(parts_.size());
+    std::iota(joinedTo_.begin(), joinedTo_.end(), 0);
+    images_.assign(parts_.size(), {});
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if ((mirrorAxes_ >> axis & 1) == 0) continue;
+            auto place = placeOf(parts_[p].voxels.front());
+            place[axis] = voxels_.grid().counts[axis] - 1 - place[axis];
+            images_[p][axis] = partOf_[voxels_.used().rank(voxels_.grid().cubeAt(place))];
+        }
+}
+
+/// Returns the mirror image of a cube.
+/// \param axes bits of the axes across which it is mirrored
+CubeParts::Cube CubeParts::mirrored(Cube cube, unsigned axes) const {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if ((axes >> axis & 1) != 0)
+            cube[axis] =
+                (voxels_.grid().counts[axis] + 2 * offset_[axis]) / perEdge_ - 1 - cube[axis];
+    return cube;
+}
+
+/// Returns the part that a part was joined to; itself if it was not joined.
+Index CubeParts::alive(Index part) const {
+    while (joinedTo_[part] != part) part = joinedTo_[part];
+    return part;
+}
+
+Index CubeParts::imageOf(Index part, int axis) const {
+    return alive(images_[part][axis]);
+}
+
+Index CubeParts::imageOf(Index part, unsigned axes) const {
+    part = alive(part);
+    for (int axis = 0; axis < 3; ++axis)
+        if ((axes >> axis & 1) != 0) part = imageOf(part, axis);
+    return part;
+}
+
+/// Calls visit(axes) for each set of axes to mirror across: none first.
+template <class Visit>
+void CubeParts::forEachMirror(Visit visit) const {
+    for (unsigned axes = 0; axes < 8; ++axes)
+        if ((axes & ~mirrorAxes_) == 0) visit(axes);
+}
+
+/// Returns a part and its images, each once.
+std::vector<Index> CubeParts::orbitOf(Index part) const {
+    std::vector<Index> orbit;
+    forEachMirror([&](unsigned axes) {
+        const Index image = imageOf(part, axes);
+        if (std::ranges::find(orbit, image) == orbit.end()) orbit.push_back(image);
+    });
+    return orbit;
 }
 
 /// Returns the cubes that hold voxels of the model, by their numbers.
@@ -330,8 +399,11 @@ double CubeParts::squareToFace(const Cube& cube, Index direction,
 }
 
 bool CubeParts::isShallow(Index number, double most, double& depth) const {
-    const Part& part = parts_[number];
-    const unsigned faces = sharedFaces(number);
+    return areShallow(parts_[number], sharedFaces(number), most, depth);
+}
+
+/// Returns true if no voxel of a part is further than `most` from some of its faces.
+bool CubeParts::areShallow(const Part& part, unsigned faces, double most, double& depth) const {
     depth = 0;
     double largest = -1;
     for (const Index voxel : part.voxels) {
@@ -347,33 +419,103 @@ bool CubeParts::isShallow(Index number, double most, double& depth) const {
     return true;
 }
 
-void CubeParts::leaveOut(Index number) {
+bool CubeParts::leaveOut(Index number, double most) {
+    double depth = 0;
+    if (!isRemovable(number) || !isShallow(number, most, depth)) return false;
+    const std::vector<Index> orbit = orbitOf(number);
+    // The voxels go to neighbours that stay.
+    std::vector<std::array<std::optional<Index>, kDirections>> behind(orbit.size());
+    for (std::size_t i = 0; i < orbit.size(); ++i)
+        for (Index d = 0; d < kDirections; ++d) {
+            const auto next = neighbour(orbit[i], d);
+            if (next && std::ranges::find(orbit, *next) == orbit.end()) behind[i][d] = next;
+        }
+    if (areApart(orbit)) {
+        for (const Index part : orbit) detach(part);
+    } else {
+        // Images that touch each other: the topology must stay the same as they leave one by one.
+        unsigned faces = 0;
+        for (Index d = 0; d < kDirections; ++d)
+            if (behind.front()[d]) faces |= 1u << d;
+        if (faces == 0 || !areShallow(parts_[number], faces, most, depth) || !detachAll(orbit))
+            return false;
+    }
+    for (std::size_t i = 0; i < orbit.size(); ++i) giveVoxels(orbit[i], behind[i]);
+    return true;
+}
+
+/// Returns true if parts are so far apart that none of them matters to isRemovable() of another.
+bool CubeParts::areApart(std::span<const Index> orbit) const {
+    for (std::size_t i = 0; i < orbit.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const Cube &a = parts_[orbit[i]].cube, &b = parts_[orbit[j]].cube;
+            Index distance = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                distance = std::max(distance, std::abs(a[axis] - b[axis]));
+            if (distance <= 1) return false;
+        }
+    return true;
+}
+
+/// Detaches parts one by one, if each of them is removable then. Else changes nothing.
+bool CubeParts::detachAll(std::span<const Index> orbit) {
+    std::vector<std::pair<Index, std::vector<Contact>>> before;
+    for (const Index part : orbit) {
+        before.emplace_back(part, parts_[part].contacts);
+        for (const Contact& contact : parts_[part].contacts)
+            before.emplace_back(contact.to, parts_[contact.to].contacts);
+    }
+    for (const Index part : orbit) {
+        if (isRemovable(part)) {
+            detach(part);
+            continue;
+        }
+        for (const Index old : orbit) parts_[old].isUsed = true;
+        for (auto& [old, contacts] : before) parts_[old].contacts = std::move(contacts);
+        return false;
+    }
+    return true;
+}
+
+/// Takes a part out, with its contacts.
+void CubeParts::detach(Index number) {
     Part& part = parts_[number];
-    std::array<std::optional<Index>, kDirections> behind;
-    for (Index d = 0; d < kDirections; ++d) behind[d] = neighbour(number, d);
+    for (const Contact& contact : part.contacts)
+        std::erase_if(parts_[contact.to].contacts,
+                      [&](const Contact& back) { return back.to == number; });
+    part.contacts.clear();
+    part.isUsed = false;
+}
+
+/// Gives each voxel of a part to the nearest one of its neighbours.
+void CubeParts::giveVoxels(Index number,
+                           const std::array<std::optional<Index>, kDirections>& neighbours) {
+    Part& part = parts_[number];
     for (const Index voxel : part.voxels) {
         const auto place = placeOf(voxel);
         Index best = kNone;
         double least = 0;
         for (Index d = 0; d < kDirections; ++d) {
-            if (!behind[d]) continue;
+            if (!neighbours[d]) continue;
             const double distance = squareToFace(part.cube, d, place);
             if (best != kNone && distance >= least) continue;
-            best = *behind[d];
+            best = *neighbours[d];
             least = distance;
         }
         parts_[best].voxels.push_back(voxel);
         partOf_[voxels_.used().rank(voxel)] = best;
     }
-    for (const Contact& contact : part.contacts)
-        std::erase_if(parts_[contact.to].contacts,
-                      [&](const Contact& back) { return back.to == number; });
-    part.contacts.clear();
     part.voxels.clear();
-    part.isUsed = false;
 }
 
 void CubeParts::join(Index kept, Index other, int joins) {
+    forEachMirror([&](unsigned axes) {
+        const Index a = imageOf(kept, axes), b = imageOf(other, axes);
+        if (a != b) joinOne(a, b, joins);
+    });
+}
+
+void CubeParts::joinOne(Index kept, Index other, int joins) {
     Part &a = parts_[kept], &b = parts_[other];
     a.joins = std::max({a.joins, b.joins, joins});
     if (a.joins > 1 && !joined_) {
@@ -386,14 +528,23 @@ void CubeParts::join(Index kept, Index other, int joins) {
     for (const Contact& contact : b.contacts) {
         auto& backs = parts_[contact.to].contacts;
         std::erase_if(backs, [&](const Contact& back) { return back.to == other; });
-        addContact(kept, contact);
+        addContactOne(kept, contact);
     }
     b.contacts.clear();
     b.voxels.clear();
     b.isUsed = false;
+    joinedTo_[other] = kept;
 }
 
 void CubeParts::addContact(Index part, const Contact& contact) {
+    forEachMirror([&](unsigned axes) {
+        addContactOne(
+            imageOf(part, axes),
+            {imageOf(contact.to, axes), mirroredDirection(contact.direction, axes), contact.count});
+    });
+}
+
+void CubeParts::addContactOne(Index part, const Contact& contact) {
     const auto add = [](std::vector<Contact>& contacts, const Contact& more) {
         for (Contact& old : contacts) {
             if (old.to != more.to || old.direction != more.direction) continue;
@@ -434,9 +585,25 @@ void CubeParts::add(const Cube& low, std::span<const Index> members) {
     }
     if (added.contacts.empty()) return;
     contacts = std::exchange(added.contacts, {});
-    parts_.push_back(std::move(added));
-    const auto number = static_cast<Index>(parts_.size()) - 1;
-    for (const Contact& contact : contacts) addContact(number, contact);
+    // The images that lie in one cube are one part.
+    const auto first = static_cast<Index>(parts_.size());
+    std::array<Index, 8> numbers = {};
+    forEachMirror([&](unsigned axes) {
+        const Cube cube = mirrored(added.cube, axes);
+        Index& number = numbers[axes];
+        for (number = first; number < count() && parts_[number].cube != cube;) ++number;
+        if (number < count()) return;
+        parts_.push_back(added);
+        parts_.back().cube = cube;
+        joinedTo_.push_back(number);
+        images_.emplace_back();
+    });
+    forEachMirror([&](unsigned axes) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if ((mirrorAxes_ >> axis & 1) != 0)
+                images_[numbers[axes]][axis] = numbers[axes ^ 1u << axis];
+    });
+    for (const Contact& contact : contacts) addContact(first, contact);
 }
 
 }  // namespace espalier::cages

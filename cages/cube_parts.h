@@ -19,6 +19,9 @@ namespace espalier::cages {
 /// At first, each connected part of the model in a cube is a part of its own, and two parts have a
 /// contact where the model passes through the face between their cubes. The functions below leave
 /// out, join and add parts. GridCells calls them until each part can be a cell.
+///
+/// If the parts are symmetric about planes, each part has a mirror image, perhaps itself, and the
+/// functions do the same to all images of a part at once.
 class CubeParts {
 public:
     using Cube = std::array<Index, 3>;
@@ -43,7 +46,10 @@ public:
     /// \param offset voxels of the first cube outside the grid
     /// \param joinDistance parts in one cube, or in two neighbours, that are at most this far
     ///        apart are one part, or in contact; in voxels
-    CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset, double joinDistance);
+    /// \param mirrorAxes bit i: the voxels are symmetric about the middle of the grid along axis i.
+    ///        This is in the middle of a cube, or between two
+    CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset, double joinDistance,
+              unsigned mirrorAxes);
 
     std::span<const Part> all() const { return parts_; }
     const Part& operator[](Index part) const { return parts_[part]; }
@@ -69,8 +75,15 @@ public:
     /// \param depth becomes the largest of the distances, if the answer is yes
     bool isShallow(Index part, double most, double& depth) const;
 
-    /// Leaves out a part. Its voxels go to the neighbours.
-    void leaveOut(Index part);
+    /// Returns the mirror image of a part across an axis that has a plane.
+    Index imageOf(Index part, int axis) const;
+
+    /// Returns a part and all its mirror images, each once.
+    std::vector<Index> orbitOf(Index part) const;
+
+    /// Leaves out a part, if it is removable and shallow. Its voxels go to the neighbours.
+    /// \return false if the part stays
+    bool leaveOut(Index part, double most);
     /// Joins a part to another one in the same cube.
     /// \param joins number of parts in a row that were joined for the same reason
     void join(Index kept, Index other, int joins);
@@ -92,7 +105,20 @@ private:
     RankedBits usedCubes() const;
     void findParts(std::vector<std::vector<FaceVoxel>>& faces);
     void findContacts(std::span<const std::vector<FaceVoxel>> faces);
+    void findImages();
     std::array<Index, 3> placeOf(Index voxel) const;
+    Cube mirrored(Cube cube, unsigned axes) const;
+    Index imageOf(Index part, unsigned axes) const;
+    Index alive(Index part) const;
+    template <class Visit>
+    void forEachMirror(Visit visit) const;
+    bool areShallow(const Part& part, unsigned faces, double most, double& depth) const;
+    bool areApart(std::span<const Index> orbit) const;
+    bool detachAll(std::span<const Index> orbit);
+    void detach(Index part);
+    void giveVoxels(Index part, const std::array<std::optional<Index>, kDirections>& neighbours);
+    void joinOne(Index kept, Index other, int joins);
+    void addContactOne(Index part, const Contact& contact);
     bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
     double squareToFace(const Cube& cube, Index direction, const std::array<Index, 3>& place) const;
@@ -102,8 +128,11 @@ private:
     Cube offset_;
     double joinDistance_;
     Cube counts_;  ///< number of cubes along each axis
+    unsigned mirrorAxes_;
     std::vector<Part> parts_;
-    std::vector<Index> partOf_;  ///< the part of each voxel of the model, by its rank
+    std::vector<std::array<Index, 3>> images_;  ///< of each part, across each axis with a plane
+    std::vector<Index> joinedTo_;  ///< the part that each part was joined to, or itself
+    std::vector<Index> partOf_;    ///< the part of each voxel of the model, by its rank
     std::optional<Point3> joined_;
 };
 

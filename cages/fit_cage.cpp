@@ -86,7 +86,7 @@ public:
           base_(start.complex, refinerOptions(start)),
           refiner_(refined()),
           surface_(base_),
-          start_(start.positions),
+          start_(symmetric(start.positions)),
           positions_(start_),
           edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
@@ -100,6 +100,10 @@ private:
         far::TopologyRefiner refiner(base_.level(0), base_.options());
         refiner.refineUniform(CellShapes::kLevel);
         return refiner;
+    }
+    std::vector<Point3> symmetric(std::vector<Point3> positions) const {
+        makeSymmetric(options_.mirrors, positions);
+        return positions;
     }
     static double meanEdge(const Lattice& lattice) {
         double total = 0;
@@ -174,10 +178,11 @@ void Fit::optimise(int iterations) {
             gradient[i] = sum(gradient[i], scaled(way, 2 * anchor_));
         }
         forces_.addEnergy(positions, total, gradient);
+        makeGradientSymmetric(options_.mirrors, gradient);
         return total;
     };
     forces_.renew();
-    positions_ = minimise(energy, std::move(positions_), iterations, 0.1 * edge_);
+    positions_ = symmetric(minimise(energy, std::move(positions_), iterations, 0.1 * edge_));
 }
 
 /// Moves the vertices. The forces then match their new positions.

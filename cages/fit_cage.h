@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "point_groups.h"
+#include "symmetry.h"
 #include "work.h"
 
 namespace espalier::cages {
@@ -32,6 +33,9 @@ struct FitOptions {
 
     /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.
     int maxAttempts = 4;
+
+    /// Planes about which the start is symmetric. The result is exactly symmetric, too.
+    std::vector<VertexMirror> mirrors = {};
 };
 
 /// Moves the vertices of a lattice so that its boundary follows a model.

@@ -19,7 +19,8 @@ constexpr double kConflictReach = 0.6;
 }  // namespace
 
 GridCells::GridCells(const ModelVoxels& voxels, const GridCellOptions& options)
-    : parts_(voxels, options.voxelsPerEdge, options.offset, options.joinDistance) {
+    : parts_(voxels, options.voxelsPerEdge, options.offset, options.joinDistance,
+             options.mirrorAxes) {
     constexpr int kMaxRepairs = 100;
     for (int round = 0; round < kMaxRepairs && !isManifold_; ++round) {
         do leaveOut(options.reach);
@@ -42,12 +43,8 @@ void GridCells::leaveOut(double reach) {
         if (candidates.empty()) return;
         std::sort(candidates.begin(), candidates.end());
         bool isChanged = false;
-        for (const auto& [depth, part] : candidates) {
-            double now = 0;
-            if (!parts_.isRemovable(part) || !parts_.isShallow(part, reach, now)) continue;
-            parts_.leaveOut(part);
-            isChanged = true;
-        }
+        for (const auto& [depth, part] : candidates)
+            if (parts_.leaveOut(part, reach)) isChanged = true;
         if (!isChanged) return;
     }
 }
@@ -72,10 +69,8 @@ void GridCells::resolveConflict(Index number, Index direction, double reach) {
         if (contact.direction == direction) behind.emplace_back(contact.count, contact.to);
     // The smallest first.
     std::sort(behind.begin(), behind.end());
-    double depth = 0;
     for (const auto& [count, part] : behind)
-        if (parts_.isRemovable(part) && parts_.isShallow(part, reach, depth))
-            return parts_.leaveOut(part);
+        if (parts_.leaveOut(part, reach)) return;
     parts_.join(behind.back().second, behind.front().second, parts_[number].joins + 1);
 }
 
@@ -223,7 +218,8 @@ bool GridCells::repairVertices() {
         if (std::any_of(members.begin(), members.end(),
                         [&](Index part) { return isTouched[part] != 0; }))
             continue;
-        for (const Index part : members) isTouched[part] = 1;
+        for (const Index part : members)
+            for (const Index image : parts_.orbitOf(part)) isTouched[image] = 1;
         const auto [vertex, part, corner] = corners[first];
         CubeParts::Cube low = parts_[part].cube;
         for (int axis = 0; axis < 3; ++axis) low[axis] += (corner >> axis & 1) - 1;
@@ -250,6 +246,16 @@ Lattice GridCells::build() const {
     }
     lattice.complex = builder.build();
     return lattice;
+}
+
+std::vector<Index> GridCells::vertexImages(int axis) const {
+    std::vector<Index> images(vertexCount_);
+    for (const Index part : order_) {
+        const auto& ofImage = corners_[parts_.imageOf(part, axis)];
+        for (unsigned corner = 0; corner < 8; ++corner)
+            images[corners_[part][corner]] = ofImage[corner ^ 1u << axis];
+    }
+    return images;
 }
 
 std::optional<Index> GridCells::cellOf(const Point3& point) const {

@@ -24,6 +24,10 @@ struct GridCellOptions {
     /// A cell is left out if the model reaches less than this into it, in voxels, and nothing else
     /// depends on the cell.
     double reach = 0;
+
+    /// Bit i: the voxels, and so the cells, are symmetric about the middle of the grid along axis
+    /// i. The middle must be between two voxels, in the middle of a cell or between two.
+    unsigned mirrorAxes = 0;
 };
 
 /// The cells of a grid around a model.
@@ -54,6 +58,9 @@ public:
 
     /// Returns the lattice. Cells and vertices are numbered by layers.
     Lattice build() const;
+
+    /// Returns the mirror image of each vertex across an axis of `mirrorAxes`.
+    std::vector<Index> vertexImages(int axis) const;
 
     /// Returns the cell for a point of the model; none for a point far from it.
     std::optional<Index> cellOf(const Point3& point) const;

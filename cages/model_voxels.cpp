@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -18,7 +19,8 @@
 namespace espalier::cages {
 namespace {
 
-CubeGrid gridAround(std::span<const Point3> points, double size, double padding) {
+CubeGrid gridAround(std::span<const Point3> points, double size, double padding,
+                    const MirrorPlanes& mirrors) {
     Point3 low = points.front(), high = low;
     for (const Point3& point : points)
         for (int axis = 0; axis < 3; ++axis) {
@@ -27,8 +29,29 @@ CubeGrid gridAround(std::span<const Point3> points, double size, double padding)
         }
     // Odd parts of a voxel, so that columns of centres do not pass through the corners of a model
     // with round coordinates.
-    const Point3 pad = {padding, padding, padding}, odd = {0.2127, 0.3391, 0.1459};
-    return {difference(difference(low, pad), scaled(odd, size)), sum(high, pad), size};
+    Point3 pad = {padding, padding, padding}, odd = {0.2127, 0.3391, 0.1459};
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::optional<double>& plane = mirrors[axis];
+        if (!plane) continue;
+        const double half = std::max(*plane - low[axis], high[axis] - *plane);
+        low[axis] = *plane - half;
+        high[axis] = *plane + half;
+        odd[axis] = 0;
+    }
+    CubeGrid grid(difference(difference(low, pad), scaled(odd, size)), sum(high, pad), size);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!mirrors[axis]) continue;
+        grid.counts[axis] += grid.counts[axis] % 2;
+        grid.origin[axis] = *mirrors[axis] - grid.counts[axis] / 2 * grid.size;
+    }
+    return grid;
+}
+
+/// Returns bits in the opposite order.
+std::uint64_t reversed(std::uint64_t bits) {
+    std::uint64_t result = 0;
+    for (int i = 0; i < 64; ++i, bits >>= 1) result = result << 1 | (bits & 1);
+    return result;
 }
 
 /// Returns true if a triangle meets a cube, by the separating axes of the two. The cube is a little
@@ -229,19 +252,26 @@ void addCrossings(const CubeGrid& grid, const std::array<Point3, 3>& triangle, I
 
 ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> points,
                          const VoxelOptions& options)
-    : grid_(gridAround(points, options.size, std::max(options.around, options.gap))),
+    : grid_(
+          gridAround(points, options.size, std::max(options.around, options.gap), options.mirrors)),
       used_(grid_.cubeCount()),
       signs_(surface.closedPieces().size(), 1) {
     markTriangles(grid_, surface.triangles(), points, used_);
     if (!options.isShell) {
         markClosed(surface, points);
         if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        if (options.mirrors[axis]) addMirrored(used_, axis);
+    if (!options.isShell) {
         solid_ = used_;
     }
     if (options.around > 0)
         VoxelSet(grid_.counts, used_).within(options.around / grid_.size).forEach([&](Index voxel) {
             used_.insert(voxel);
         });
+    for (int axis = 0; axis < 3; ++axis)
+        if (options.mirrors[axis]) addMirrored(used_, axis);
     used_.makeRanks();
 }
 
@@ -256,6 +286,30 @@ bool ModelVoxels::isInner(const Point3& point) const {
                 if (!isInGrid || !solid_[grid_.cubeAt({x, y, z})]) return false;
             }
     return true;
+}
+
+/// Adds the mirror images of voxels, row by row.
+void ModelVoxels::addMirrored(RankedBits& voxels, int axis) const {
+    const auto& n = grid_.counts;
+    const RankedBits before = voxels;
+    std::array<Index, 3> place = {0, 0, 0};
+    for (place[2] = 0; place[2] < n[2]; ++place[2])
+        for (place[1] = 0; place[1] < n[1]; ++place[1]) {
+            std::array<Index, 3> image = place;
+            if (axis > 0) image[axis] = n[axis] - 1 - place[axis];
+            const std::size_t from = grid_.cubeAt(place), to = grid_.cubeAt(image);
+            if (!before.hasAny(from, from + n[0])) continue;
+            for (Index x = 0; x < n[0]; x += 64) {
+                const Index count = std::min(64, n[0] - x);
+                const std::uint64_t bits =
+                    before.from(from + x) & ~std::uint64_t{0} >> (64 - count);
+                if (bits == 0) continue;
+                if (axis > 0)
+                    voxels.insertBits(to + x, bits);
+                else
+                    voxels.insertBits(to + n[0] - x - count, reversed(bits) >> (64 - count));
+            }
+        }
 }
 
 void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3> points) {

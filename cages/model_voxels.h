@@ -10,6 +10,7 @@
 #include "model_surface.h"
 #include "point_groups.h"
 #include "ranked_bits.h"
+#include "symmetry.h"
 
 namespace espalier::cages {
 
@@ -29,6 +30,10 @@ struct VoxelOptions {
     double around = 0;
 
     double gap = 0;
+
+    /// Planes in the frame of the points. The grid is symmetric about them, and each voxel that is
+    /// the mirror image of a used one is used, too.
+    MirrorPlanes mirrors = {};
 };
 
 class ModelVoxels {
@@ -51,6 +56,7 @@ public:
 private:
     void markClosed(const ModelSurface& surface, std::span<const Point3> points);
     void markEnclosed(const ModelSurface& surface, std::span<const Point3> points, double gap);
+    void addMirrored(RankedBits& voxels, int axis) const;
 
     CubeGrid grid_;
     RankedBits used_;

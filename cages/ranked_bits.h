@@ -29,6 +29,13 @@ public:
     /// Adds a number. rank() and count() hold after the next makeRanks() only.
     void insert(std::size_t number) { words_[number / 64] |= Word{1} << number % 64; }
 
+    /// Adds first + i for each bit i that is set.
+    void insertBits(std::size_t first, std::uint64_t bits) {
+        const std::size_t word = first / 64, shift = first % 64;
+        words_[word] |= bits << shift;
+        if (shift > 0 && bits >> (64 - shift) != 0) words_[word + 1] |= bits >> (64 - shift);
+    }
+
     void makeRanks() {
         ranks_.resize(words_.size());
         count_ = 0;

@@ -5,6 +5,7 @@
 #include <espalier/io/model.h>
 #include <fmt/format.h>
 
+#include <string>
 #include <vector>
 
 #include "commands.h"
@@ -40,15 +41,17 @@ void runCage(const CageCommandOptions& options) {
         faces.append(own, static_cast<Index>(points.size()));
         points.insert(points.end(), model->positions().begin(), model->positions().end());
     }
+    cages::ModelSymmetry symmetry;
     const Lattice lattice = stages.run("building", [&] {
         return ofFile(options.models.front(), [&] {
-            return cages::cage({points, faces.corners, faces.ends}, options.cage);
+            return cages::cage({points, faces.corners, faces.ends}, options.cage, &symmetry);
         });
     });
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
-    if (!options.common.quiet)
-        fmt::print("{}: {} vertices, {} cells\n", printable(options.output),
-                   lattice.complex.count(0), lattice.complex.count(3));
+    if (options.common.quiet) return;
+    const std::string text = cages::symmetryText(symmetry);
+    fmt::print("{}: {} vertices, {} cells{}{}\n", printable(options.output),
+               lattice.complex.count(0), lattice.complex.count(3), text.empty() ? "" : "; ", text);
 }
 
 }  // namespace
@@ -87,6 +90,16 @@ void addCageCommand(CLI::App& shape) {
         ->check(aboveZero());
     command.add_flag("--keep-apart", options.cage.keepApart,
                      "Keep parts of the model separate that are nearer to each other than a cell");
+    addChoice<cages::Symmetric>(
+        command, "--symmetric", options.cage.symmetric, cages::kSymmetricWords,
+        "Planes about which the lattice is symmetric, across the axes and through the middle of "
+        "the box around the model; auto: about which the model is symmetric");
+    command
+        .add_option("--symmetry", options.cage.symmetry,
+                    "Largest distance of a mirrored point from the model that counts as "
+                    "symmetric, as a fraction of the diagonal: 0 to 1")
+        ->check(inRange(0, 1))
+        ->capture_default_str();
     addOutputOption(command, options.output,
                     "The lattice: " + filesToWrite(io::FileContent::Lattice))
         ->required();

@@ -269,20 +269,24 @@ void addCage(py::module_& module) {
     module.def(
         "cage",
         [](const py::object& model, const py::object& faces, Index vertices, double cellSize,
-           double margin, double shell, bool keepApart) {
+           double margin, double shell, bool keepApart, const std::string& symmetric,
+           double symmetry) {
             const PointsAndFaces all = pointsAndFacesOf(model, faces);
+            const auto planes = chosen(cages::kSymmetricWords, "symmetric", symmetric);
             return sharedWithoutGil([&] {
                 return cages::cage({all.points, all.faces.corners, all.faces.ends},
                                    {.vertices = vertices,
                                     .cellSize = cellSize,
                                     .margin = margin,
                                     .shell = shell,
-                                    .keepApart = keepApart});
+                                    .keepApart = keepApart,
+                                    .symmetric = planes,
+                                    .symmetry = symmetry});
             });
         },
         "model"_a, "faces"_a = py::none(), py::kw_only(), "vertices"_a = usual.vertices,
         "cell_size"_a = usual.cellSize, "margin"_a = usual.margin, "shell"_a = usual.shell,
-        "keep_apart"_a = usual.keepApart, R"(
+        "keep_apart"_a = usual.keepApart, "symmetric"_a = "auto", "symmetry"_a = usual.symmetry, R"(
 A lattice of hexahedra that follows the shape of a model. It contains every point of the model, and
 no cell of its limit volume is folded; both are proved.
 
@@ -296,6 +300,10 @@ shell : if above 0, the lattice is made around the surface only, and contains al
 of this distance
 keep_apart : if True, parts of the model stay separate even if they are nearer to each other than a
 cell
+symmetric : planes about which the lattice is symmetric: "x", "yz" and so on, across the axes and
+through the middle of the box around the model; "auto": about which the model is symmetric; "none"
+symmetry : largest distance of a mirrored point from the model that counts as symmetric, as a
+fraction of the diagonal: 0 to 1
 )");
 }
 

@@ -27,6 +27,8 @@ def cage(
     margin: float = 0.0,
     shell: float = 0.0,
     keep_apart: bool = False,
+    symmetric: Literal["auto", "none", "x", "y", "z", "xy", "xz", "yz", "xyz"] = "auto",
+    symmetry: float = 1e-4,
 ) -> Lattice: ...
 def cylinder(
     *,

@@ -153,6 +153,7 @@ static void test_lattices_of_others(void) {
     FINITE(cage.cell_size, "cell_size: expected", CAGE);
     FINITE(cage.margin, "margin: expected", CAGE);
     FINITE(cage.shell, "shell: expected", CAGE);
+    FINITE(cage.symmetry, "symmetry: expected", CAGE);
 }
 
 static void test_poses(void) {

@@ -242,6 +242,14 @@ static void test_cage(void) {
     options.vertices = 7;
     INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
             "vertices: expected 8 to 100000, got 7");
+    options = espalier_default_cage_options();
+    options.symmetric = 9;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
+            "symmetric: expected 0 to 8, got 9");
+    options.symmetric = ESPALIER_SYMMETRIC_NONE;
+    options.symmetry = 2;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
+            "symmetry: expected 0 to 1, got 2");
     options.size = 0;
     INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
             "espalier_default_cage_options()");

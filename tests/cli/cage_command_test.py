@@ -36,8 +36,9 @@ class Cage(CliTest):
     def cage(self, *options, output="rest.ovm"):
         """Returns the number of vertices that the program prints."""
         out = self.run_program("shape", "cage", *options, "-o", output).stdout
-        found = re.fullmatch(re.escape(output) + r": (\d+) vertices, (\d+) cells\n", out)
+        found = re.fullmatch(re.escape(output) + r": (\d+) vertices, (\d+) cells(; .*)?\n", out)
         self.assertTrue(found, out)
+        self.symmetry = found[3]
         return int(found[1])
 
     def inside_and_outside(self, model, lattice="rest.ovm"):
@@ -101,6 +102,25 @@ class Cage(CliTest):
             self.assert_all_inside("two.obj")
         self.assertEqual(euler, {False: 1, True: 2})
 
+    def test_symmetry(self):
+        self.cage("tube.obj", "--vertices", 40)
+        self.assertEqual(self.symmetry, "; symmetric about x = 2, y = 0, z = 0")
+        self.cage("tube.obj", "--vertices", 40, "--symmetric", "none")
+        self.assertIsNone(self.symmetry)
+        points, faces = tube(20, 12, 0.5, 4)
+        points[0] = (points[0][0] - 0.05, *points[0][1:])
+        self.write("bent.obj", points, faces)
+        self.cage("bent.obj", "--vertices", 40)
+        self.assertRegex(self.symmetry, "^; (symmetric about .*; |not symmetric; )off by 1.* % about x")
+        for options, expected in [(["--symmetric", "x"], "; symmetric about x = 1.975 (the model is off by "),
+                                  (["--symmetry", 0.05], "; symmetric about x = 1.975 within 1.")]:
+            self.cage("bent.obj", "--vertices", 40, *options)
+            self.assertTrue(self.symmetry.startswith(expected), self.symmetry)
+            xs = sorted(p[0] for p in self.read_ovm_positions("rest.ovm"))
+            for low, high in zip(xs, reversed(xs)):
+                self.assertAlmostEqual(low + high, 2 * 1.975, 12)
+            self.assert_all_inside("bent.obj")
+
     def test_wrong_arguments_name_themselves(self):
         for options, message, code in [
                 (["--vertices", 7], "--vertices", 2),
@@ -108,6 +128,8 @@ class Cage(CliTest):
                 (["--size", 0], "--size", 2),
                 (["--margin", -0.5], "--margin", 2),
                 (["--shell", 0], "--shell", 2),
+                (["--symmetric", "zx"], "--symmetric", 2),
+                (["--symmetry", -1], "--symmetry", 2),
                 (["--size", 1e-9], "--size: expected at least", 2)]:
             self.assertIn(message, self.error_of("shape", "cage", "tube.obj", *options, "-o",
                                                  "x.ovm", code=code))

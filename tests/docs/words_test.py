@@ -27,6 +27,7 @@ LISTS = {
     "Undetermined": ("UNDETERMINED", "undetermined", None, None),
     "Core": ("CORE", "_Core", "DiskCore", None),
     "TorusSection": ("SECTION", "section", None, None),
+    "Symmetric": ("SYMMETRIC", "symmetric", "symmetric", None),
     "Falloff": ("FALLOFF", "_Falloff", "profile", None),
 }
 # Words for the program alone.

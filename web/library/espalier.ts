@@ -50,6 +50,11 @@ export interface CageOptions {
   /** thickness of a cage around the surface only */
   shell?: number;
   keepApart?: boolean;
+  /** planes about which the cage is symmetric, across the axes; default "auto": those of the model */
+  symmetric?: "auto" | "none" | "x" | "y" | "z" | "xy" | "xz" | "yz" | "xyz";
+  /** largest distance of a mirrored point from the model that counts as symmetric, as a fraction of the
+   * diagonal; default 1e-4 */
+  symmetry?: number;
 }
 
 /** What joins a disk in its middle. */
@@ -157,7 +162,7 @@ export class Espalier extends CLibrary {
   /** Makes a lattice of hexahedra that follows the shape of a model and contains all its faces. */
   cage(points: Float64Array, faces: Polygons, options: CageOptions = {}): Lattice {
     const { vertices = 200, keepApart = false } = check.options("options", options);
-    const { cellSize = 0, margin = 0, shell = 0 } = options;
+    const { cellSize = 0, margin = 0, shell = 0, symmetric = "auto", symmetry = 1e-4 } = options;
     const count = check.countPoints("points", points);
     const { offsets, corners } = check.options("faces", faces);
     checkLists("faces.offsets", offsets, "faces.corners", corners);
@@ -176,6 +181,8 @@ export class Espalier extends CLibrary {
         ["f64", check.real("cellSize", cellSize)],
         ["f64", check.real("margin", margin)],
         ["f64", check.real("shell", shell)],
+        ["f64", check.real("symmetry", symmetry)],
+        ["i32", check.choice("symmetric", symmetric, kSymmetric)],
       ]),
     ]);
   }
@@ -378,6 +385,7 @@ const kRegularSolids = [
   "icosahedron",
 ] as const;
 const kPolygonalSolids = ["prism", "pyramid", "bipyramid"] as const;
+const kSymmetric = ["auto", "none", "x", "y", "z", "xy", "xz", "yz", "xyz"] as const;
 const numberOfCore = (core: DiskCore) => check.choice("core", core, ["wedges", "polygon"]);
 
 /** Checks lists: list i has the members offsets[i] to offsets[i + 1] - 1. The library checks the offsets but for the

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
+#include <espalier/cages/cage.h>
+#include <espalier/solve/design_variables.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "cages/symmetry.h"
+#include "face_models.h"
+#include "lattice_measures.h"
+#include "support/test.h"
+#include "support/threads.h"
+
+namespace espalier::cages {
+namespace {
+
+using test::FaceModel;
+
+/// Expects that a lattice is exactly symmetric: vertices and cells have mirror images.
+void expectSymmetric(const Lattice& lattice, int axis, double at) {
+    SCOPED_TRACE(testing::Message() << "axis " << axis << ", plane " << at);
+    std::map<Point3, Index> numbers;
+    for (std::size_t i = 0; i < lattice.positions.size(); ++i)
+        numbers[sum(lattice.positions[i], {0, 0, 0})] = static_cast<Index>(i);
+    // All vertices are at places of their own.
+    ASSERT_EQ(numbers.size(), lattice.positions.size());
+    std::vector<Index> images;
+    for (const Point3& position : lattice.positions) {
+        Point3 image = position;
+        // Exact by Sterbenz or by the choice of the coordinates: no tolerance.
+        image[axis] = 2 * at - image[axis];
+        const auto found = numbers.find(sum(image, {0, 0, 0}));
+        ASSERT_TRUE(found != numbers.end()) << testing::PrintToString(position);
+        images.push_back(found->second);
+    }
+    std::set<std::vector<Index>> cells;
+    const auto& corners = lattice.complex.relation(3, 0);
+    const auto cellOf = [&](Index cell, bool isImage) {
+        std::vector<Index> vertices;
+        for (const Index vertex : corners[cell])
+            vertices.push_back(isImage ? images[vertex] : vertex);
+        std::ranges::sort(vertices);
+        return vertices;
+    };
+    for (Index cell = 0; cell < lattice.complex.count(3); ++cell) cells.insert(cellOf(cell, false));
+    for (Index cell = 0; cell < lattice.complex.count(3); ++cell)
+        EXPECT_TRUE(cells.contains(cellOf(cell, true))) << cell;
+    // The variables of a design accept the mirror.
+    solve::DesignVariables design(lattice.complex.count(0));
+    design.mirror(lattice.positions, axis, at, 0);
+}
+
+/// Makes a cage and expects all that cages promise.
+Lattice cageOf(const FaceModel& model, Index vertices, ModelSymmetry& symmetry,
+               CageOptions options = {}) {
+    options.vertices = vertices;
+    Lattice made = cage(model, options, &symmetry);
+    EXPECT_GE(made.complex.count(0), 0.8 * vertices);
+    EXPECT_LE(made.complex.count(0), 1.2 * vertices);
+    std::vector<Point3> places;
+    const std::size_t step = std::max<std::size_t>(1, model.points.size() / 400);
+    for (std::size_t i = 0; i < model.points.size(); i += step) places.push_back(model.points[i]);
+    EXPECT_EQ(test::outsideLevel(made, places), 0);
+    EXPECT_EQ(test::outsideLimit(made, places), 0);
+    EXPECT_THAT(test::badCells(made), IsEmpty());
+    EXPECT_TRUE(test::topologyOf(made.complex).isManifold);
+    return made;
+}
+
+std::array<bool, 3> usedPlanes(const ModelSymmetry& symmetry) {
+    return {symmetry.planes[0].isUsed, symmetry.planes[1].isUsed, symmetry.planes[2].isUsed};
+}
+
+/// A figure that is symmetric about x = 0 only: its legs point forwards, its head is high.
+FaceModel walker() {
+    return test::joined({test::ballModel(3, {0.45, 0.3, 0.7}),
+                         test::ballModel(3, {0.3, 0.28, 0.32}, {0, 0.1, 0.95}),
+                         test::ballModel(2, {0.55, 0.14, 0.14}, {0.75, 0, 0.35}),
+                         test::ballModel(2, {0.55, 0.14, 0.14}, {-0.75, 0, 0.35}),
+                         test::ballModel(2, {0.16, 0.3, 0.6}, {0.3, 0.15, -1}),
+                         test::ballModel(2, {0.16, 0.3, 0.6}, {-0.3, 0.15, -1})});
+}
+
+TEST(SymmetricCage, isSymmetricAboutThePlaneOfTheModel) {
+    for (const double at : {0.0, 0.3, -1234.7})
+        for (const Index vertices : {40, 120}) {
+            const FaceModel model = test::moved(walker(), {at, 0.1, 0});
+            ModelSymmetry symmetry;
+            const Lattice made = cageOf(model, vertices, symmetry);
+            EXPECT_EQ(usedPlanes(symmetry), (std::array{true, false, false}));
+            // The middle of the box, which is rounded.
+            EXPECT_NEAR(symmetry.planes[0].at, at, 1e-12 * (1 + std::abs(at)));
+            EXPECT_LE(symmetry.planes[0].off, 1e-12);
+            EXPECT_GT(symmetry.planes[1].off, 0.01);
+            expectSymmetric(made, 0, symmetry.planes[0].at);
+        }
+}
+
+TEST(SymmetricCage, isSymmetricAboutSeveralPlanes) {
+    // A ring has three, a bottle of two bodies two.
+    const FaceModel bottle = test::joined(
+        {test::ballModel(3, {0.5, 0.5, 0.9}), test::ballModel(3, {0.15, 0.15, 0.6}, {0, 0, 1.1})});
+    ModelSymmetry symmetry;
+    const Lattice ofBottle = cageOf(bottle, 100, symmetry);
+    EXPECT_EQ(usedPlanes(symmetry), (std::array{true, true, false}));
+    expectSymmetric(ofBottle, 0, symmetry.planes[0].at);
+    expectSymmetric(ofBottle, 1, symmetry.planes[1].at);
+    const FaceModel ring = test::ringModel(1, 0.35);
+    const Lattice ofRing = cageOf(ring, 120, symmetry);
+    EXPECT_EQ(usedPlanes(symmetry), (std::array{true, true, true}));
+    for (int axis = 0; axis < 3; ++axis) expectSymmetric(ofRing, axis, symmetry.planes[axis].at);
+    EXPECT_EQ(test::topologyOf(ofRing.complex), (test::SolidTopology{1, 1, 0}));
+}
+
+TEST(SymmetricCage, isSymmetricForAModelTurnedAboutTheNormalOfThePlane) {
+    for (const double angle : {0.4, 1.1, 2.5}) {
+        FaceModel model = walker();
+        for (Point3& p : model.points)
+            p = {p[0], std::cos(angle) * p[1] - std::sin(angle) * p[2],
+                 std::sin(angle) * p[1] + std::cos(angle) * p[2]};
+        ModelSymmetry symmetry;
+        const Lattice made = cageOf(model, 100, symmetry);
+        EXPECT_EQ(usedPlanes(symmetry), (std::array{true, false, false}));
+        expectSymmetric(made, 0, 0);
+    }
+}
+
+TEST(SymmetricCage, takesPartsOnBothSidesAndAcrossThePlane) {
+    // A pair of balls, no part of which touches the plane; and with a third one in the middle.
+    const FaceModel pair = test::joined({test::ballModel(3, {0.5, 0.6, 0.7}, {1.5, 0, 0}),
+                                         test::ballModel(3, {0.5, 0.6, 0.7}, {-1.5, 0, 0})});
+    ModelSymmetry symmetry;
+    const Lattice two = cageOf(pair, 100, symmetry);
+    expectSymmetric(two, 0, 0);
+    EXPECT_EQ(test::topologyOf(two.complex), (test::SolidTopology{2, 0, 0}));
+    const Lattice three =
+        cageOf(test::joined({pair, test::ballModel(2, {0.3, 0.3, 0.3})}), 120, symmetry);
+    expectSymmetric(three, 0, 0);
+    // Two that are near each other stay apart on request.
+    const FaceModel near = test::joined({test::ballModel(3, {1, 0.8, 0.9}, {1.05, 0, 0}),
+                                         test::ballModel(3, {1, 0.8, 0.9}, {-1.05, 0, 0})});
+    const Lattice apart = cageOf(near, 60, symmetry, {.keepApart = true});
+    EXPECT_TRUE(symmetry.planes[0].isUsed);
+    expectSymmetric(apart, 0, 0);
+    EXPECT_EQ(test::topologyOf(apart.complex), (test::SolidTopology{2, 0, 0}));
+}
+
+/// A model with one point that is moved.
+FaceModel perturbed(double way) {
+    FaceModel model = walker();
+    Point3 moved = model.points.front();
+    for (Point3& point : model.points)
+        if (point == moved) point[1] += way;
+    return model;
+}
+
+TEST(SymmetricCage, takesModelsThatAreNearlySymmetricWithinTheTolerance) {
+    // The diagonal is about 4.1.
+    ModelSymmetry symmetry;
+    const Lattice nearly = cageOf(perturbed(1e-4), 60, symmetry);
+    expectSymmetric(nearly, 0, 0);
+    EXPECT_NEAR(symmetry.planes[0].off, 1e-4 / 4.1, 1e-5);
+    EXPECT_THAT(symmetryText(symmetry), testing::StartsWith("symmetric about x = 0 within 3e-5 "));
+    const FaceModel model = perturbed(0.02);
+    cageOf(model, 60, symmetry);
+    EXPECT_EQ(usedPlanes(symmetry), (std::array{false, false, false}));
+    EXPECT_THAT(symmetryText(symmetry),
+                testing::StartsWith("not symmetric; off by 0.5 % about x, "));
+    const Lattice within = cageOf(model, 60, symmetry, {.symmetry = 0.01});
+    expectSymmetric(within, 0, 0);
+}
+
+TEST(SymmetricCage, obeysGivenPlanes) {
+    ModelSymmetry symmetry;
+    const Lattice none = cageOf(walker(), 60, symmetry, {.symmetric = Symmetric::None});
+    EXPECT_EQ(symmetryText(symmetry), "");
+    EXPECT_FALSE(symmetry.isMeasured);
+    // The cage holds the mirror image of the model, too.
+    FaceModel model = walker();
+    const Lattice given = cageOf(model, 80, symmetry, {.symmetric = Symmetric::Y});
+    EXPECT_EQ(usedPlanes(symmetry), (std::array{false, true, false}));
+    const double at = symmetry.planes[1].at;
+    expectSymmetric(given, 1, at);
+    for (Point3& point : model.points) point[1] = 2 * at - point[1];
+    EXPECT_EQ(test::outsideLimit(given, model.points), 0);
+    EXPECT_THAT(symmetryText(symmetry), HasSubstr("(the model is off by "));
+    EXPECT_THAT(symmetryText(symmetry), HasSubstr("the model is symmetric about x = 0, too"));
+}
+
+TEST(SymmetricCage, looksAtFacesToo) {
+    // A box without its lid: the points are symmetric about z, the faces are not.
+    FaceModel crate;
+    for (unsigned corner = 0; corner < 8; ++corner)
+        crate.points.push_back(
+            {3.0 * (corner & 1), 2.0 * (corner >> 1 & 1), corner >> 2 & 1 ? 2.5 : 0});
+    for (const auto& f :
+         {std::array<Index, 4>{0, 2, 3, 1}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+        crate.addFace({f[0], f[1], f[2], f[3]});
+    const auto planes = measureSymmetry(ModelSurface(crate), 1e-4);
+    EXPECT_EQ(planes[0].off, 0);
+    EXPECT_EQ(planes[1].off, 0);
+    EXPECT_GT(planes[2].off, 0.05);
+}
+
+TEST(SymmetricCage, hasTheSameBitsForAnyOrderOfTheFacesAndThreads) {
+    const FaceModel model = walker();
+    const auto make = [](const FaceModel& faces) { return cage(faces, {.vertices = 80}); };
+    const Lattice a = test::withThreads(1, [&] { return make(model); });
+    const Lattice b =
+        test::withThreads(4, [&] { return make(test::reversed(test::inAnotherOrder(model, 3))); });
+    EXPECT_EQ(a.positions, b.positions);
+}
+
+TEST(SymmetricCage, holdsFlatModels) {
+    FaceModel square;
+    square.points = {{0, 0, 0.25}, {2, 0, 0.25}, {2, 1, 0.25}, {0, 1, 0.25}};
+    square.addFace({0, 1, 2, 3});
+    ModelSymmetry symmetry;
+    const Lattice made = cageOf(square, 60, symmetry);
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_TRUE(symmetry.planes[axis].isUsed);
+        expectSymmetric(made, axis, symmetry.planes[axis].at);
+    }
+}
+
+TEST(ModelSymmetry, movesVerticesByRounding) {
+    // Two vertices that are images of each other, and one on the plane.
+    for (const double at : {0.0, 0.1, 1e6 / 3}) {
+        const double unit = unitOfMirror(at, 2);
+        const double plane = unit > 0 ? std::round(at / unit) * unit : at;
+        std::vector<Point3> positions = {{at + 0.7, 1, 2}, {at - 0.7, 1, 2}, {at, 3, 4}};
+        const std::vector<VertexMirror> mirrors = {{0, plane, unit, {1, 0, 2}}};
+        makeSymmetric(mirrors, positions);
+        EXPECT_EQ(positions[0][0] - plane, plane - positions[1][0]);
+        EXPECT_EQ(positions[2][0], plane);
+        EXPECT_NEAR(positions[0][0], at + 0.7, 1e-13 * (1 + at));
+        std::vector<Point3> gradient = {{1, 2, 3}, {5, 6, 7}, {1, 1, 1}};
+        makeGradientSymmetric(mirrors, gradient);
+        EXPECT_EQ(gradient, (std::vector<Point3>{{-2, 4, 5}, {2, 4, 5}, {0, 1, 1}}));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::cages
