@@ -125,7 +125,7 @@ export class Gizmo {
   private async pull(): Promise<void> {
     const { start } = this;
     const by = this.offset();
-    const moved = await this.editor.engine.run("pull", [{ point: this.pulled!, by }]);
+    const moved = await this.editor.engine.run("pull", [{ point: this.pulled!, by }], start!.positions);
     if (this.start !== start) return;
     this.latest = start!.positions.map((x, i) => x + moved[i]);
     if (this.controls.dragging) void this.editor.preview(this.latest);

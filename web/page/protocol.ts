@@ -156,8 +156,11 @@ export interface Jobs {
   foldedCells(positions: Float64Array): number[];
   /** Reads a pose of the open lattice. */
   readPose(file: NamedFile): Float64Array;
-  /** The displacements of the vertices of the lattice that pull points of the model. */
-  pull(pulls: Pull[]): Float64Array;
+  /** The displacements of the vertices of the lattice that pull points of the model, while the cells stay as rigid as
+   * they can. Calls with the same points and positions are the frames of one drag.
+   * @param positions of the vertices before the drag
+   */
+  pull(pulls: Pull[], positions: Float64Array): Float64Array;
   /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
   transform(
     positions: Float64Array,

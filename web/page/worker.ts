@@ -12,6 +12,7 @@ import {
   type Lattice,
   type Model,
   type Point,
+  type Pull as LatticePull,
   type Refiner,
   type Table,
   type Validity,
@@ -41,6 +42,8 @@ let library: Espalier;
 /** The objects of the library that are open. Each group is freed when the group before it changes. */
 let model: { file: Model; points: Float64Array } | null = null;
 let lattice: { file: Lattice; rest: Float64Array; refiner: Refiner } | null = null;
+/** The pull of a drag, and the displacements of its last frame. */
+let pulling: { key: string; pull: LatticePull; last?: Float64Array } | null = null;
 let bound: Bound | null = null;
 let surface: { level: number; evaluator: Evaluator } | null = null;
 let validity: { check: Validity; cells: Int32Array } | null = null;
@@ -58,7 +61,13 @@ function free(...objects: { free(): void }[]): void {
   for (const object of objects) object.free();
 }
 
+function closePull(): void {
+  if (pulling) free(pulling.pull);
+  pulling = null;
+}
+
 function closeBinding(): void {
+  closePull();
   if (bound) free(bound.deformer, bound.table, bound.binding);
   bound = null;
 }
@@ -287,13 +296,21 @@ function checkOfPoses() {
   return validity;
 }
 
-/** The displacements of vertices that pull points: as `espalier fit --pull`. */
-function pull(pulls: Pull[]): Float64Array {
-  const points = pulls.map((each) => each.point);
+/** The displacements of vertices that pull points, so that limbs bend: as `espalier fit --pull`. Each frame of a drag
+ * starts from the frame before. */
+function pull(pulls: Pull[], positions: Float64Array): Float64Array {
+  const key = [...pulls.map((each) => each.point), ...positions].join();
+  if (pulling?.key !== key) {
+    const { table } = openOr(bound, "binding");
+    const { file } = openLatticeNow();
+    closePull();
+    const points = pulls.map((each) => each.point);
+    pulling = { key, pull: table.pull(file, positions, points) };
+  }
   const misses = pulls.flatMap((each) => each.by);
-  const { table } = openOr(bound, "binding");
-  const { file } = openLatticeNow();
-  return table.fit(file, points, misses, { smoothing: "tikhonov" }).displacements;
+  const { displacements } = pulling.pull.solve(misses, pulling.last);
+  pulling.last = displacements;
+  return displacements.slice(); // The result goes over to the page.
 }
 
 const kDirections: Record<Axis, Point> = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };

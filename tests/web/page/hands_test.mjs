@@ -267,6 +267,36 @@ describe("hands in the page", () => {
       assert.ok(await corners());
     }, kLargeWindow));
 
+  test("a tail that is pulled bends, and folds no cell", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      const { gap, folded, milliseconds } = await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        const { points } = editor.model;
+        // The end of the tail is the point with the least x; the dog is about 2 high.
+        let point = 0;
+        for (let i = 0; i < points.length; i += 3) if (points[i] < points[3 * point]) point = i / 3;
+        const { positions } = editor;
+        const frames = 20;
+        const start = performance.now();
+        let moved;
+        for (let frame = 1; frame <= frames; ++frame) {
+          const by = [0, (0.5 * frame) / frames, 0];
+          moved = await editor.engine.run("pull", [{ point, by }], positions);
+        }
+        const milliseconds = (performance.now() - start) / frames;
+        const before = points[3 * point + 1];
+        await editor.setPositions(positions.map((x, i) => x + moved[i]), null); // prettier-ignore
+        const gap = editor.view.points[3 * point + 1] - before - 0.5;
+        return { gap, folded: editor.folded.length, milliseconds };
+      });
+      console.log(`a frame of a pull takes ${milliseconds.toFixed(1)} ms`);
+      assert.equal(folded, 0);
+      assert.ok(Math.abs(gap) < 1e-5, String(gap)); // floats on the screen
+    }, kLargeWindow));
+
   test("no key replaces the work, and messages go with what they are about", () =>
     withPage(async (page) => {
       await openExample(page);
