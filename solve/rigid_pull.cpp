@@ -61,7 +61,7 @@ Motion fittingMotion(const std::vector<std::pair<Vector, Vector>>& handles) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> parts(moments,
                                                   Eigen::ComputeFullU | Eigen::ComputeFullV);
     constexpr double kFlat = 1e-9;  // Rounding of the moments.
-    const Vector sizes = parts.singularValues();
+    const Vector& sizes = parts.singularValues();
     if (sizes[1] > kFlat * sizes[0])
         motion.rotation = rotationBySingularValues(moments);
     else if (sizes[0] > 0)

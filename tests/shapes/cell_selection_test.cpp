@@ -4,6 +4,7 @@
 #include <espalier/shapes/cell_selection.h>
 #include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
+#include <espalier/shapes/solids.h>
 
 #include "support/lattices_with_limbs.h"
 #include "support/test.h"
@@ -44,7 +45,8 @@ TEST(CellSelection, GrowsAndShrinksAlongEdges) {
 // In space the two legs are 1 apart; along the cells the way goes over the foot.
 TEST(CellSelection, MeasuresAlongTheCells) {
     const Lattice lattice = twoLegs();
-    const auto& [complex, positions] = std::tie(lattice.complex, lattice.positions);
+    const auto& complex = lattice.complex;
+    const auto& positions = lattice.positions;
     const auto near = selectNear(complex, positions, {0.5, 0.5, 4}, 2);
     const auto ball = selectBall(positions, {0.5, 0.5, 4}, 2);
     int across = 0;
@@ -107,7 +109,8 @@ TEST(CellSelection, NearestCellsAndFacesAreThoseOfThePoint) {
 // An arm turns about the middle of its section with the body, and stays attached there.
 TEST(CellSelection, LimbsTurnAboutTheirBorder) {
     const Lattice lattice = figure();
-    const auto& [complex, positions] = std::tie(lattice.complex, lattice.positions);
+    const auto& complex = lattice.complex;
+    const auto& positions = lattice.positions;
     const auto arm = selectLimb(complex, positions, {0, 2, 5}).vertices;
     const Section border = selectionBorder(complex, positions, arm);
     EXPECT_LT(length(difference(border.center, {5, 2, 5})), 1e-14);
@@ -138,7 +141,8 @@ TEST(CellSelection, TheBorderOfALayerIsTheLayer) {
 
 TEST(CellSelection, RefusesBadInput) {
     const Lattice lattice = box();
-    const auto& [complex, positions] = std::tie(lattice.complex, lattice.positions);
+    const auto& complex = lattice.complex;
+    const auto& positions = lattice.positions;
     const std::vector<Index> some = {0, 8}, all = {0, 1, 2, 3, 4, 5, 6, 7};
     EXPECT_REFUSED(Error, "growSelection: vertices[1]: expected 0 to 7, got 8",
                    growSelection(complex, some));

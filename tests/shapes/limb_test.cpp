@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/cell_distances.h>
 #include <espalier/shapes/limb.h>
+#include <espalier/shapes/solids.h>
 #include <espalier/shapes/transform.h>
 
 #include <cmath>
@@ -195,7 +196,8 @@ TEST(Limb, BeyondAFaceIsTheSmallerPart) {
 
 TEST(Limb, RefusesBadInput) {
     const Lattice lattice = figure();
-    const auto& [complex, positions] = std::tie(lattice.complex, lattice.positions);
+    const auto& complex = lattice.complex;
+    const auto& positions = lattice.positions;
     EXPECT_REFUSED(Error, "selectLimb: point: expected finite numbers, got (nan, 0, 0)",
                    selectLimb(complex, positions, {kNan, 0, 0}));
     EXPECT_REFUSED(Error, "the lattice has no limb at (0, 0, 0)",

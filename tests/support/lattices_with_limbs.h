@@ -4,6 +4,7 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/remove_cells.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
