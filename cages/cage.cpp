@@ -66,7 +66,7 @@ constexpr std::array<CellChoice, 2> kCellChoicesApart = {{{0, 0.4, 3}, {0, 0.1, 
 /// If a lattice that is symmetric about planes that the model has by itself is not found with the
 /// first kSymmetricChoices choices of cells, or this part of the work, other planes are tried.
 constexpr std::size_t kSymmetricChoices = 2;
-constexpr double kWorkOfSymmetry = 0.25;
+constexpr double kWorkOfSymmetry = 0.75;
 
 /// Lattices of one choice that are fitted before the next choice is tried.
 constexpr std::size_t kMaxFits = 3;
@@ -548,6 +548,7 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
     const double most = mostWork(surface_.triangles().size(), options_, vertexEstimate());
     const std::span<const CellChoice> cells =
         options_.keepApart ? std::span<const CellChoice>(kCellChoicesApart) : kCellChoices;
+    double workLeft = kWorkOfSymmetry * most;
     std::string failure, end;
     const auto choices = planeChoices(symmetry);
     for (std::size_t i = 0; i < choices.size(); ++i) {
@@ -556,9 +557,9 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
             symmetry.planes[axis].isUsed = choices[i][axis];
             if (choices[i][axis]) mirrors[axis] = symmetry.planes[axis].at;
         }
-        // A search that is not the last one is short.
+        // All searches before the last one share their work.
         const bool isLast = i + 1 == choices.size();
-        work_ = Work(isLast ? most : kWorkOfSymmetry * most);
+        work_ = Work(isLast ? most : workLeft);
         failure.clear();
         end.clear();
         try {
@@ -570,6 +571,7 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
                 "; the search ended early, after the most work for a lattice of this size and ",
                 surface_.triangles().size(), " triangles");
         }
+        workLeft -= work_.done();
     }
     const std::string wanted = options_.cellSize > 0
                                    ? concat("with cells of the size ", textOf(options_.cellSize))

@@ -52,16 +52,19 @@ TEST(RankedBits, knowMembersAndRanks) {
 
 TEST(RankedBits, makeBinsOfWhichMostAreEmpty) {
     const std::vector<Bins::Entry> entries = {{70, 0}, {3, 1}, {70, 2}, {199, 3}, {3, 5}};
-    const Bins bins(200, entries);
-    const auto itemsIn = [&](Index first, Index last) {
-        const auto items = bins.itemsIn(first, last);
-        return std::vector<Index>(items.begin(), items.end());
-    };
-    EXPECT_EQ(itemsIn(3, 3), (std::vector<Index>{1, 5}));
-    EXPECT_EQ(itemsIn(0, 199), (std::vector<Index>{1, 5, 0, 2, 3}));
-    EXPECT_EQ(itemsIn(4, 70), (std::vector<Index>{0, 2}));
-    EXPECT_EQ(itemsIn(71, 198), std::vector<Index>{});
-    EXPECT_EQ(itemsIn(199, 199), std::vector<Index>{3});
+    // All bins have an array if there are few.
+    for (const Index count : {200, 2'000'000}) {
+        const Bins bins(count, entries);
+        const auto itemsIn = [&](Index first, Index last) {
+            const auto items = bins.itemsIn(first, last);
+            return std::vector<Index>(items.begin(), items.end());
+        };
+        EXPECT_EQ(itemsIn(3, 3), (std::vector<Index>{1, 5}));
+        EXPECT_EQ(itemsIn(0, 199), (std::vector<Index>{1, 5, 0, 2, 3}));
+        EXPECT_EQ(itemsIn(4, 70), (std::vector<Index>{0, 2}));
+        EXPECT_EQ(itemsIn(71, 198), std::vector<Index>{});
+        EXPECT_EQ(itemsIn(199, 199), std::vector<Index>{3});
+    }
 }
 
 }  // namespace
