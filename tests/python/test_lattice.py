@@ -322,7 +322,7 @@ def test_a_cage_follows_a_model(tmp_path):
         np.testing.assert_array_equal(other.positions, made.positions)
         assert other.topology_difference(made) is None
     # Smaller cells are more; a margin makes the lattice wider.
-    assert cage(model, cell_size=0.6).counts[0] > made.counts[0]
+    assert cage(model, cell_size=0.4).counts[0] > made.counts[0]
     around = cage(model, vertices=60, margin=0.05).positions
     assert np.ptp(around, axis=0)[0] > np.ptp(made.positions, axis=0)[0] + 0.1
 

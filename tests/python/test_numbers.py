@@ -84,7 +84,7 @@ GOOD = {
     "shapes.box": {"min": (0, 0, 0), "max": (1, 1, 1)},
     "shapes.around": {"points": POINTS, "cell_size": 0.1, "margin": 0.1},
     "shapes.cage": {"model": POSITIONS, "faces": [BOX.faces[face] for face in FACES], "vertices": 40,
-                    "cell_size": 0.0, "margin": 0.0, "shell": 0.0},
+                    "cell_size": 0.0, "margin": 0.0, "shell": 0.0, "symmetry": 1e-4},
     "shapes.cylinder": {"radius": 1.0, "start": (0, 0, 0), "end": (0, 0, 1)},
     "shapes.torus": {"major_radius": 1.0, "minor_radius": 0.4},
     "shapes.star": {"inner_radius": 0.5, "outer_radius": 1.0, "height": 0.25},
