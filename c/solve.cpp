@@ -138,6 +138,7 @@ espalier_status espalier_pull_create(const espalier_lattice* lattice, int32_t ve
     return c::result(pull, "pull", [&] {
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         const auto& table = *c::deref(deformation, "deformation").table;
+        c::checkCount(vertex_count, complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto chosen = c::pullOptions(c::optionsOrDefaults(
             options, espalier_default_pull_options(), "espalier_default_pull_options"));

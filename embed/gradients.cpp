@@ -227,10 +227,10 @@ public:
         add(gradients.splines.places, Source::Spline);
         add(gradients.basis.places, Source::Basis);
         forEachPlace(gradients.splines, vertices_, [&](Index i, const PatchDerivatives& at) {
-            inverses_[i] = inverseAtRest(at.topRows<3>().transpose());
+            inverses_[i] = perLength_ * inverseAtRest(at.topRows<3>().transpose());
         });
         if (!gradients.basis.places.empty())
-            inverseOfBasis_ = inverseAtRest(gradients.basis, vertices_);
+            inverseOfBasis_ = perLength_ * inverseAtRest(gradients.basis, vertices_);
     }
 
     stencils::StencilTable<double> build() const {
@@ -276,7 +276,8 @@ private:
              stencils::RowAccumulator& accumulator) const {
         const CellPlaces::Cell& cell = gradients_.cells.cells[place.cell];
         const auto weights = weightsAt(place);
-        const Matrix3d inverse = inverseAtRest(derivativesOf(cell, weights, vertices_.rest));
+        const Matrix3d inverse =
+            perLength_ * inverseAtRest(derivativesOf(cell, weights, vertices_.rest));
         if (!inverse.allFinite()) return;
         for (std::size_t by = 0; by < 3; ++by)
             for (std::size_t corner = 0; corner < 8; ++corner)
@@ -290,7 +291,7 @@ private:
         if (!inverse.allFinite()) return;
         const TricubicPatch& patch = patches_[place.patch];
         for (std::size_t by = 0; by < 3; ++by) {
-            const double factor = perLength_ * inverse(axis, static_cast<Eigen::Index>(by));
+            const double factor = inverse(axis, static_cast<Eigen::Index>(by));
             std::array<int, 3> orders = {};
             orders[by] = 1;
             const auto along =
@@ -305,10 +306,11 @@ private:
 
     void add(const BasisPlaces::Place& place, Index axis,
              stencils::RowAccumulator& accumulator) const {
+        if (!inverseOfBasis_.allFinite()) return;
         GridFunctions functions;
         setFunctions(gradients_.basis, place, functions);
         const AxisFunctions &x = functions[0], &y = functions[1], &z = functions[2];
-        const Eigen::RowVector3d factors = perLength_ * inverseOfBasis_.row(axis);
+        const Eigen::RowVector3d factors = inverseOfBasis_.row(axis);
         forEachLine(gradients_.basis, functions, [&](Index vertex, std::size_t j, std::size_t k) {
             const double slope = factors[0] * y.values[j] * z.values[k];
             const double value = factors[1] * y.derivatives[j] * z.values[k] +
@@ -323,7 +325,8 @@ private:
     std::vector<TricubicPatch> patches_;
     std::vector<Matrix3d> inverses_;  ///< one per place in splines
     MovedVertices vertices_;
-    double perLength_;  ///< derivatives are in units
+    double
+        perLength_;  ///< The inverses are per length, not per unit. In tiny lattices they overflow.
     Matrix3d inverseOfBasis_ = Matrix3d::Zero();
     std::vector<Source> sources_;  ///< one per point
 };
