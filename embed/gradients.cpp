@@ -281,9 +281,8 @@ private:
         if (!inverse.allFinite()) return;
         for (std::size_t by = 0; by < 3; ++by)
             for (std::size_t corner = 0; corner < 8; ++corner)
-                accumulator.add(cell[corner], perLength_ *
-                                                  inverse(axis, static_cast<Eigen::Index>(by)) *
-                                                  weights[by][corner]);
+                accumulator.add(cell[corner],
+                                inverse(axis, static_cast<Eigen::Index>(by)) * weights[by][corner]);
     }
 
     void add(const SplinePlaces::Place& place, const Matrix3d& inverse, Index axis,
@@ -325,8 +324,7 @@ private:
     std::vector<TricubicPatch> patches_;
     std::vector<Matrix3d> inverses_;  ///< one per place in splines
     MovedVertices vertices_;
-    double
-        perLength_;  ///< The inverses are per length, not per unit. In tiny lattices they overflow.
+    double perLength_;  ///< makes inverses per length; in tiny lattices they overflow
     Matrix3d inverseOfBasis_ = Matrix3d::Zero();
     std::vector<Source> sources_;  ///< one per point
 };
