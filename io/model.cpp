@@ -95,9 +95,11 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     if (!name.empty() && known_.emplace(kind, name).second) other->names.push_back(name);
 }
 
-void ModelSurface::removeOther(const std::string& name) {
+void ModelSurface::removePointData(const std::string& name) {
     std::erase_if(others, [&](OtherData& other) {
-        return std::erase(other.names, name) > 0 && other.names.empty();
+        const bool isOfPoints =
+            other.kind == OtherData::kPointData || other.kind == OtherData::kPointProperties;
+        return isOfPoints && std::erase(other.names, name) > 0 && other.names.empty();
     });
 }
 

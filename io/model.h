@@ -84,7 +84,11 @@ ESPALIER_API ModelFaces boundaryFaces(const far::VolumeMesh& mesh);
 struct ModelSurface {
     /// Data that are none of the members below.
     struct OtherData {
-        std::string kind;                ///< plural: "texture coordinates", "point data"
+        /// The kinds of the numbers that attributes() lists.
+        static constexpr const char* kPointData = "point data";
+        static constexpr const char* kPointProperties = "properties of points";
+
+        std::string kind;                ///< plural: "texture coordinates", kPointData
         std::vector<std::string> names;  ///< names of its parts, if the file has names for them
     };
 
@@ -130,8 +134,8 @@ struct ModelSurface {
     /// name of it is listed once. \cost O(kinds + log names)
     void addOther(const std::string& kind, const std::string& name = {});
 
-    /// Removes a name of a part from all kinds of data, and kinds that have no other part.
-    void removeOther(const std::string& name);
+    /// Removes a name from the data of points (kPointData, kPointProperties).
+    void removePointData(const std::string& name);
 
 private:
     std::set<std::pair<std::string, std::string>> known_;  ///< kinds and names in `others`
@@ -153,7 +157,7 @@ struct DirectionCounts {
 
 /// Numbers of a file, one per point, that may say how far each point follows a lattice.
 struct PointAttribute {
-    /// What the format says that the numbers are.
+    /// The meaning that the format gives the numbers.
     enum class Kind { Numbers, Color, TextureCoordinate };
 
     /// As the file has it; for one number of several, with its number behind a colon: "COLOR_0:3".

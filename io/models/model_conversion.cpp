@@ -160,28 +160,29 @@ const PointAttribute* findComponent(const std::vector<PointAttribute>& attribute
     return found == attributes.end() ? nullptr : &*found;
 }
 
-/// Removes an attribute from the data that are not written.
-void removeFromOthers(const PointAttribute& attribute, ModelSurface& surface) {
-    surface.removeOther(attribute.name);
-    surface.removeOther(attribute.name.substr(0, attribute.name.rfind(':')));  // an array
+/// Reads an attribute, and removes it from the data that are not written.
+std::vector<double> take(const PointAttribute& attribute, ModelSurface& surface) {
+    surface.removePointData(attribute.name);
+    surface.removePointData(attribute.name.substr(0, attribute.name.rfind(':')));  // an array
+    return attribute.read();
 }
 
 }  // namespace
 
 /// Takes the colours of the points from attributes, if there are red, green and blue.
 void ModelConversion::readColors(const std::vector<PointAttribute>& attributes) {
-    std::vector<std::array<float, 4>> colors(model_.positions().size(), {0, 0, 0, 1});
+    std::array<const PointAttribute*, 4> channels{};
+    for (std::size_t component = 0; component < 4; ++component)
+        channels[component] = findComponent(attributes, PointAttribute::Kind::Color, component);
+    if (!channels[0] || !channels[1] || !channels[2]) return;
+    surface_.colors.assign(model_.positions().size(), {0, 0, 0, 1});
     for (std::size_t component = 0; component < 4; ++component) {
-        const auto* attribute = findComponent(attributes, PointAttribute::Kind::Color, component);
-        if (!attribute && component == 3) break;
-        if (!attribute) return;
-        const std::vector<double> values = attribute->read();
-        for (std::size_t i = 0; i < colors.size(); ++i)
+        if (!channels[component]) continue;
+        const std::vector<double> values = take(*channels[component], surface_);
+        for (std::size_t i = 0; i < values.size(); ++i)
             if (!std::isnan(values[i]))
-                colors[i][component] = static_cast<float>(std::clamp(values[i], 0.0, 1.0));
-        removeFromOthers(*attribute, surface_);
+                surface_.colors[i][component] = static_cast<float>(std::clamp(values[i], 0.0, 1.0));
     }
-    surface_.colors = std::move(colors);
 }
 
 /// Takes the texture coordinates of the points from attributes, if there are u and v.
@@ -189,11 +190,10 @@ void ModelConversion::readTextures(const std::vector<PointAttribute>& attributes
     const auto* u = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 0);
     const auto* v = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 1);
     if (!u || !v || surface_.faces.count() == 0) return;
-    const std::vector<double> us = u->read(), vs = v->read();
+    const std::vector<double> us = take(*u, surface_), vs = take(*v, surface_);
     surface_.textures.clear();
     for (std::size_t i = 0; i < us.size(); ++i) surface_.textures.push_back({us[i], vs[i]});
     surface_.textureCorners = surface_.faces.corners;
-    for (const PointAttribute* attribute : {u, v}) removeFromOthers(*attribute, surface_);
 }
 
 /// Names texture coordinates, colours and materials, and drops them, if the format lacks them.

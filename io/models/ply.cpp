@@ -502,14 +502,15 @@ std::vector<double> readPlyProperty(const FileView& file, std::size_t column) {
     return std::move(numbers.values);
 }
 
-/// What a property of the points is by its name.
+/// The meaning of a property of the points.
 struct PropertyMeaning {
     std::string_view name;
     PointAttribute::Kind kind;
     std::size_t component;
 };
 
-/// Returns what a property is; Kind::Numbers for all that are neither colours nor coordinates.
+/// Returns the meaning of a property by its name: Kind::Numbers, unless it is a colour or a texture
+/// coordinate.
 PropertyMeaning meaningOf(const PlyProperty& property) {
     static constexpr PropertyMeaning kMeanings[] = {
         {"red", PointAttribute::Kind::Color, 0},
@@ -541,7 +542,7 @@ void nameOtherData(const PlyHeader& header, const PlyElement& element,
             const PlyProperty& property = element.properties[column];
             if (&element == &header.vertices()) {
                 if (std::ranges::count(used, column) == 0)
-                    surface.addOther("properties of points", property.name);
+                    surface.addOther(ModelSurface::OtherData::kPointProperties, property.name);
             } else if (!isCornerList(property) &&
                        !(isTextureList(property) && !surface.textureCorners.empty())) {
                 surface.addOther("properties of faces", property.name);

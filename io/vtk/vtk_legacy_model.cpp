@@ -195,9 +195,10 @@ private:
     }
 
     void skippedArray(const LegacyArray& array) override {
-        surface_.addOther(array.owner == LegacyArray::Owner::DataSet  ? "field data"
-                          : array.owner == LegacyArray::Owner::Points ? "point data"
-                                                                      : "cell data",
+        surface_.addOther(array.owner == LegacyArray::Owner::DataSet ? "field data"
+                          : array.owner == LegacyArray::Owner::Points
+                              ? ModelSurface::OtherData::kPointData
+                              : "cell data",
                           array.name);
     }
 

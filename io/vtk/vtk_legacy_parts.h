@@ -23,7 +23,7 @@ struct LegacyArray {
     enum class Owner { DataSet, Points, Cells };
 
     Owner owner = Owner::DataSet;
-    /// What its keyword says; Numbers for all other keywords.
+    /// The meaning of its keyword; Numbers for all other keywords.
     enum class Kind { Numbers, Normals, TextureCoordinates, Colors } kind = Kind::Numbers;
     std::string name;
     std::string type;  ///< the type in lower case: "float"

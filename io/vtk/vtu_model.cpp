@@ -74,7 +74,7 @@ std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, NumberT
 
 /// Returns true for an array of this name, and for the active array of this kind.
 /// \param kind attribute of PointData: "Normals"
-bool is(const VtkSection& pointData, const VtkDataArray& array, const std::string& kind) {
+bool holds(const VtkSection& pointData, const VtkDataArray& array, const std::string& kind) {
     const auto active = pointData.active.find(kind);
     return array.name == kind || (active != pointData.active.end() && array.name == active->second);
 }
@@ -83,9 +83,9 @@ bool is(const VtkSection& pointData, const VtkDataArray& array, const std::strin
 /// directions.
 Carry carryOf(const VtkSection& pointData, const VtkDataArray& array) {
     if (array.components != 3 || !array.type || isInteger(*array.type)) return nullptr;
-    return is(pointData, array, "Normals")    ? carryNormal
-           : is(pointData, array, "Tangents") ? carryTangent
-                                              : nullptr;
+    return holds(pointData, array, "Normals")    ? carryNormal
+           : holds(pointData, array, "Tangents") ? carryTangent
+                                                 : nullptr;
 }
 
 std::vector<Point3> copyOf(std::span<const Point3> points) {
@@ -181,7 +181,7 @@ public:
             for (const VtkDataArray& array : section->second.arrays)
                 if (array.type)
                     addVtkAttributes(array.name, array.components, array.type == NumberType::UInt8,
-                                     is(section->second, array, "TCoords")
+                                     holds(section->second, array, "TCoords")
                                          ? PointAttribute::Kind::TextureCoordinate
                                          : PointAttribute::Kind::Numbers,
                                      attributes,
@@ -261,7 +261,8 @@ private:
             surface.addOther("field data", array.name);
         for (const VtkPiece& piece : file_.pieces())
             for (const auto& [name, kind] :
-                 {std::pair{"PointData", "point data"}, std::pair{"CellData", "cell data"}}) {
+                 {std::pair{"PointData", ModelSurface::OtherData::kPointData},
+                  std::pair{"CellData", "cell data"}}) {
                 const auto section = piece.sections.find(name);
                 if (section == piece.sections.end()) continue;
                 bool isFirst = !surface.normals.empty();

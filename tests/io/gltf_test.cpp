@@ -810,6 +810,25 @@ TEST(Gltf, ANewFileHasColorsAndTexturesOfPlyAndVtk) {
     }
 }
 
+// What is not taken is named: one colour alone, and data of cells that are named as data of points.
+TEST(Gltf, ANewFileNamesColorsThatItLacks) {
+    const TemporaryFolder folder;
+    const auto red =
+        readModel("a.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                  "float y\nproperty float z\nproperty uchar red\nend_header\n0 0 0 9\n");
+    EXPECT_THAT(red->checkTarget(folder / "a.glb"),
+                testing::HasSubstr("properties of points 'red'"));
+    const auto cells = readModel("a.vtk",
+                                 "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 "
+                                 "double\n0 0 0 1 0 0 0 1 0\n"
+                                 "POLYGONS 1 4\n3 0 1 2\nCELL_DATA 1\nCOLOR_SCALARS rgb 3\n1 0 0\n"
+                                 "POINT_DATA 3\nCOLOR_SCALARS rgb 3\n1 0 0 0 1 0 0 0 1\n");
+    const std::string line = cells->checkTarget(folder / "a.glb");
+    EXPECT_THAT(line, testing::HasSubstr("cell data 'rgb'"));
+    EXPECT_THAT(line, testing::Not(testing::HasSubstr("point data")));
+}
+
 // MeshLab writes the texture coordinates of the corners of a face as a list of the face.
 TEST(Gltf, ANewFileHasTexturesOfTheCornersOfAPly) {
     const auto bytes = [](const std::string& second) {
