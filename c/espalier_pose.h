@@ -87,8 +87,8 @@ ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
 // ---- Selections along the cells -------------------------------------------------------------
 
 // These functions follow the cells of a lattice (shapes/limb.h, shapes/cell_selection.h):
-// distances, also of falloffs, are measured along the cells. `positions` are those of the vertices
-// of the lattice, and need not be those that the lattice holds.
+// distances, also of falloffs, are measured along the cells. `positions` has a position for each
+// vertex of the lattice, such as a pose.
 
 /// Faces across a lattice: where a limb joins the body.
 typedef struct espalier_section {

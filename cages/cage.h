@@ -76,7 +76,7 @@ struct CageOptions {
     double symmetry = 1e-4;
 };
 
-/// What cage() finds out about the symmetry of a model.
+/// The symmetry of a model, and the planes that cage() used.
 struct ModelSymmetry {
     struct Plane {
         double at = 0;  ///< the coordinate of the plane: the middle of the box around the model

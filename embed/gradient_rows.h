@@ -33,7 +33,7 @@ ESPALIER_API bool areFlat(const Eigen::Matrix3d& directions);
 ESPALIER_API stencils::StencilTable<double> gradientRows(
     const stencils::StencilTable<double>& directions, std::span<const Point3> rest, double scale);
 
-/// Returns the identity: the rows of the base vertices over the base.
+/// Returns the rows of the base vertices over the base, which are the identity.
 ESPALIER_API stencils::StencilTable<double> baseVertexRows(Index columnCount);
 
 /// Returns the gradients of points that have these rows.

@@ -93,8 +93,8 @@ struct BasisPlaces {
 /// For an affine pose, F is the matrix of the pose to 1e-12; in a cell that is 10,000 times as long
 /// as thick, to 1e-11. Transform normals by the cofactor matrix of F, tangents by F.
 struct Gradients {
-    /// Rows over the base of the vertices that the points below name: base vertices, and vertices
-    /// of levels.
+    /// The vertices that the points below refer to. Each row has the weights of a vertex over the
+    /// base: 1 for a base vertex, several for a vertex of a level.
     stencils::StencilTable<double> vertices;
 
     /// The points with rows of their own, ascending, and the rows, three for each, over `vertices`:

@@ -219,9 +219,9 @@ private:
     /// \param used the vertices of the patches, ascending: what the patches refer to
     static embed::SplinePlaces splinesOf(const stencils::Levels& levels, const PlaceRows& weights,
                                          std::size_t placeCount, std::vector<Index>& used) {
-        // Rows take less memory than the vertices if there are more vertices than rows; long rows
-        // of vertices are not made; and on deep levels the differences of vertices round by more
-        // than 2⁶ units in the last place of a displacement.
+        // Three cases get rows. If a point would need more than two vertices, its rows take less
+        // memory. Long rows of vertices take too much (stencils::Composition). On deep levels,
+        // differences of vertices round by more than 2⁶ units in the last place of a displacement.
         constexpr std::size_t kMaxVertices = 2;
         constexpr int kMaxLevel = 6;
         if (weights.level() > kMaxLevel ||

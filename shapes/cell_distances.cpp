@@ -24,8 +24,7 @@ Point3 nearestOnSegment(const Point3& a, const Point3& b) {
     return sum(a, scaled(along, t));
 }
 
-/// Returns the distance of a triangle from the origin. The nearest point is in its plane, or on one
-/// of its sides.
+/// Returns the distance of a triangle from the origin: the distance of its plane, or of one side.
 double distanceOfTriangle(const std::array<Point3, 3>& corners) {
     const auto& [a, b, c] = corners;
     const Point3 normal = cross(difference(b, a), difference(c, a));

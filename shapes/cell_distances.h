@@ -38,8 +38,8 @@ std::vector<WayStart> waysFrom(const Point3& point, const far::CellComplex& comp
 Index nearestFace(const far::CellComplex& complex, std::span<const Point3> positions,
                   const Point3& point, bool betweenCells = false);
 
-/// Returns the cell at the nearest face of a point. Between two cells at the face, the side
-/// of the face on which the point lies decides.
+/// Returns the cell at the face that is nearest to a point. If the face is between two cells, it is
+/// the cell on the side of the point.
 Index nearestCell(const far::CellComplex& complex, std::span<const Point3> positions,
                   const Point3& point);
 

@@ -38,6 +38,8 @@ export interface Command {
   /** The key, as KeyboardEvent.key gives it; before it "Ctrl+" or "Shift+". A key of the number pad is
    * its KeyboardEvent.code. */
   key?: string;
+  /** another key */
+  also?: string;
   /** what must be there */
   needs?: "model" | "lattice" | "selection" | "binding" | "pose" | "rest faces" | "undo" | "redo";
   /** whether a button of a choice is chosen */
@@ -95,6 +97,18 @@ export function commandsFor(page: Page): Record<string, Command> {
       page.refresh();
     },
   });
+
+  /** Switches something on and off. */
+  const toggle = (title: string, isOn: () => boolean, set: (on: boolean) => void, key?: string) =>
+    ({
+      title,
+      key,
+      isChosen: isOn,
+      run() {
+        set(!isOn());
+        page.refresh();
+      },
+    }) satisfies Command;
 
   const steps = (title: string, key: string, by: number): Command => ({
     title,
@@ -233,14 +247,11 @@ export function commandsFor(page: Page): Record<string, Command> {
     rotate: handles("rotate", "r", "Rotate by handles"),
     scale: handles("scale", "s", "Scale by handles"),
     ...onAxes,
-    snap: {
-      title: "Let the handles move in steps: round lengths, 15 degrees, tenths",
-      isChosen: () => gizmo.isSnapping,
-      run() {
-        gizmo.isSnapping = !gizmo.isSnapping;
-        page.refresh();
-      },
-    },
+    snap: toggle(
+      "Let the handles move in steps: round lengths, 15 degrees, tenths",
+      () => gizmo.isSnapping,
+      (on) => (gizmo.isSnapping = on),
+    ),
     "pivot here": {
       title: "Turn, scale and bend about the middle of this selection from now on",
       needs: "selection",
@@ -266,23 +277,17 @@ export function commandsFor(page: Page): Record<string, Command> {
     "pick cells": picks("cells", "3", "Click selects a cell"),
     "pick box": picks("box", "4", "Drag selects by a box"),
     "pick lasso": picks("lasso", "5", "Drag selects by a lasso"),
-    add: {
-      title: "Clicks, boxes and lassos add to the selection, as with Shift",
-      key: "+",
-      isChosen: () => pointer.adds,
-      run() {
-        pointer.adds = !pointer.adds;
-        page.refresh();
-      },
-    },
-    front: {
-      title: "Boxes and lassos select only what the lattice does not hide",
-      isChosen: () => pointer.onlyFront,
-      run() {
-        pointer.onlyFront = !pointer.onlyFront;
-        page.refresh();
-      },
-    },
+    add: toggle(
+      "Clicks, boxes and lassos add to the selection, as with Shift",
+      () => pointer.adds,
+      (on) => (pointer.adds = on),
+      "+",
+    ),
+    front: toggle(
+      "Boxes and lassos select only what the lattice does not hide",
+      () => pointer.onlyFront,
+      (on) => (pointer.onlyFront = on),
+    ),
     isolate: {
       title: "Hide what is not selected, or show all again",
       key: "h",
@@ -475,26 +480,19 @@ export function commandsFor(page: Page): Record<string, Command> {
       run: () => timeline.step(-1),
     },
 
-    frame: { title: "Show everything", key: "f", run: () => editor.view.look() },
-    "frame home": { title: "Show everything", key: "Home", run: () => editor.view.look() },
+    frame: { title: "Show everything", key: "f", also: "Home", run: () => editor.view.look() },
     ...views,
-    parallel: {
-      title: "Draw parallel lines as parallel, or farther things smaller",
-      key: "Numpad5",
-      isChosen: () => editor.view.isParallel,
-      run() {
-        editor.view.setParallel(!editor.view.isParallel);
-        page.refresh();
-      },
-    },
-    "z up": {
-      title: "Let z point up, or y again",
-      isChosen: () => editor.view.up === "z",
-      run() {
-        editor.view.up = editor.view.up === "z" ? "y" : "z";
-        page.refresh();
-      },
-    },
+    parallel: toggle(
+      "Draw parallel lines as parallel, or farther things smaller",
+      () => editor.view.isParallel,
+      (on) => editor.view.setParallel(on),
+      "Numpad5",
+    ),
+    "z up": toggle(
+      "Let z point up, or y again",
+      () => editor.view.up === "z",
+      (on) => (editor.view.up = on ? "z" : "y"),
+    ),
     extrude: {
       title: "Extrude the selected faces",
       key: "e",
@@ -515,13 +513,19 @@ export async function openExample(editor: Editor, name: string): Promise<void> {
   await editor.openModel(kExamples[name].make());
 }
 
+/** Makes a box of cells around the model.
+ * @param cells along the longest side
+ * @param margin room around the model, as a part of its size */
+export function makeAround(editor: Editor, cells: number, margin: number): Promise<void> {
+  const name = fileWord(editor.document.model!.name);
+  const command = `espalier shape around ${name} --cells ${cells} --margin ${margin} -o rest.vtu`;
+  return editor.makeLattice({ kind: "around", options: { cellsAlongLongest: cells, margin } }, command);
+}
+
 /** Opens an example in a lattice that a pose bends, and selects the end that a person may move on. */
 async function openBentExample(editor: Editor): Promise<void> {
   await openExample(editor, "dog");
-  const options = { cellsAlongLongest: 4, margin: 0.05 };
-  const name = fileWord(editor.document.model!.name);
-  const command = `espalier shape around ${name} --cells 4 --margin 0.05 -o rest.vtu`;
-  await editor.makeLattice({ kind: "around", options }, command);
+  await makeAround(editor, 4, 0.05);
   const count = editor.shape!.positions.length / 3;
   await editor.select(Array(count).keys());
   await editor.transform({ kind: "twist", axis: "y", degrees: 40 });

@@ -105,7 +105,7 @@ function nearestVertices(from: Float64Array, to: Float64Array): Int32Array {
   });
 }
 
-function nearestVertex(positions: Float64Array, point: ArrayLike<number>): number {
+export function nearestVertex(positions: Float64Array, point: ArrayLike<number>): number {
   let best = 0;
   let least = Infinity;
   for (let v = 0; v < positions.length / 3; ++v) {

@@ -207,6 +207,7 @@ export class Editor {
     this.open = { ...this.open, lattice, rules, settings: null, positions: null, cells: false };
     this.binding = null;
     this.folded = [];
+    if (typeof this.pivot !== "string") this.pivot = "middle"; // It was a place of the old lattice.
     this.view.setLattice(this.shape);
     if (lattice && isFirst) this.view.look();
     this.onChange();

@@ -4,8 +4,8 @@
 
 import { Vector3 } from "three";
 import { saveSoon, savedDocument } from "./autosave.ts";
-import { commandsFor, frameOf, openExample, type Command, type Page } from "./commands.ts";
-import { isEmpty } from "./document.ts";
+import { commandsFor, frameOf, makeAround, openExample, type Command, type Page } from "./commands.ts";
+import { isEmpty, nearestVertex } from "./document.ts";
 import { Editor } from "./editor.ts";
 import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
@@ -140,7 +140,7 @@ window.addEventListener("keydown", (event) => {
   if (find("dialog[open]") || event.altKey) return;
   let key = keyOf(event);
   if (key === "Ctrl+Shift+z" || key === "Ctrl+Shift+Z") key = "Ctrl+y";
-  const command = Object.values(commands).find((each) => each.key === key);
+  const command = Object.values(commands).find((each) => each.key === key || each.also === key);
   if (!command || (isTyping && !key.startsWith("Ctrl+"))) return;
   // Controls keep the keys that they use themselves.
   if (key === " " && target.matches("button, summary, input")) return;
@@ -160,18 +160,13 @@ find("#help dl").innerHTML = Object.values(commands)
 // ---- Forms and settings ------------------------------------------------------------------------------------
 
 type Values = Record<string, string>;
-const modelWord = () => fileWord(editor.document.model!.name);
 const pointOf = ({ x, y, z }: Values) => [Number(x), Number(y), Number(z)] as Point;
 
 const forms: Record<string, (values: Values) => Promise<void>> = {
-  around({ cells, margin }) {
-    const sizes = `--cells ${cells} --margin ${margin}`;
-    const command = `espalier shape around ${modelWord()} ${sizes} -o rest.vtu`;
-    const options = { cellsAlongLongest: Number(cells), margin: Number(margin) };
-    return editor.makeLattice({ kind: "around", options }, command);
-  },
+  around: ({ cells, margin }) => makeAround(editor, Number(cells), Number(margin)),
   cage({ vertices }) {
-    const command = `espalier shape cage ${modelWord()} --vertices ${vertices} -o rest.vtu`;
+    const name = fileWord(editor.document.model!.name);
+    const command = `espalier shape cage ${name} --vertices ${vertices} -o rest.vtu`;
     return editor.makeLattice({ kind: "cage", vertices: Number(vertices) }, command);
   },
   shape({ kind, ...values }) {
@@ -208,7 +203,7 @@ const forms: Record<string, (values: Values) => Promise<void>> = {
     );
     await editor.editLattice({ kind: "extrude", faces: faces.map(({ face }) => face), offset });
     // The new faces, so that they can be moved or extruded on.
-    await editor.select(selecting.nearest(editor.shape!.positions, places));
+    await editor.select(places.map((place) => nearestVertex(editor.shape!.positions, place)));
   },
 };
 

@@ -19,19 +19,6 @@ export function toggled(selection: Selection, vertices: readonly number[]): numb
   return sorted(result);
 }
 
-/** The vertex that is nearest to each place. */
-export function nearest(positions: Float64Array, places: readonly number[][]): number[] {
-  return places.map((place) => {
-    let best = 0;
-    let least = Infinity;
-    for (let v = 0; v < positions.length / 3; ++v) {
-      const distance = Math.hypot(...place.map((x, c) => positions[3 * v + c] - x));
-      if (distance < least) [best, least] = [v, distance];
-    }
-    return best;
-  });
-}
-
 /** Whether a place is inside a polygon of places, by the even-odd rule. */
 export function isInside(polygon: readonly (readonly number[])[], x: number, y: number): boolean {
   let inside = false;

@@ -126,6 +126,8 @@ export class View {
   private readonly parallel = new THREE.OrthographicCamera();
   private readonly lights = new THREE.Group();
   private readonly renderer: THREE.WebGLRenderer;
+  /** sphere(), until something moves */
+  private around: THREE.Sphere | null = null;
   private readonly colours: Record<string, THREE.Color> = {};
   private frameIsAsked = false;
 
@@ -285,6 +287,7 @@ export class View {
     if (this.triangles.length > 0) setNormals(this.model.geometry, this.triangles);
     this.model.geometry.boundingSphere = null;
     this.model.geometry.boundingBox = null;
+    this.around = null;
     this.placeOutside();
     this.ask();
   }
@@ -335,6 +338,8 @@ export class View {
     this.folded.clear();
     this.hidden = new Set();
     this.setSurface(null);
+    this.pose = new Float64Array(0);
+    this.around = null;
     if (!shape) return;
     const vertexCount = shape.positions.length / 3;
     this.weights = new Float64Array(vertexCount);
@@ -382,6 +387,7 @@ export class View {
   setPose(positions: Float64Array): void {
     if (!this.shape) return;
     this.pose = positions;
+    this.around = null;
     const single = Float32Array.from(positions);
     setPositions(this.corners[0].geometry, single);
     setPositions(this.faces.geometry, single);
@@ -600,11 +606,12 @@ export class View {
 
   /** A sphere around all that is shown. */
   private sphere(): THREE.Sphere {
+    if (this.around) return this.around;
     const box = this.bounds();
     for (const shown of [this.points, this.pose])
       if (shown.length > 0)
         box.union(new THREE.Box3().setFromArray(shown as unknown as number[]));
-    return box.getBoundingSphere(new THREE.Sphere());
+    return (this.around = box.getBoundingSphere(new THREE.Sphere()));
   }
 
   /** Looks at everything from a direction: by default from the front, the right and above. */
