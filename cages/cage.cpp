@@ -7,9 +7,11 @@
 #include <espalier/base/vector3.h>
 #include <espalier/cages/cage.h>
 #include <espalier/shapes/around.h>
+#include <espalier/shapes/smallest_box.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -64,7 +66,8 @@ constexpr std::array<CellChoice, 4> kCellChoices = {
 constexpr std::array<CellChoice, 2> kCellChoicesApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
 
 /// If a lattice that is symmetric about planes that the model has by itself is not found with the
-/// first kSymmetricChoices choices of cells, or this part of the work, other planes are tried.
+/// first kSymmetricChoices choices of cells, or within this fraction of the work, other planes are
+/// tried.
 constexpr std::size_t kSymmetricChoices = 2;
 constexpr double kWorkOfSymmetry = 0.75;
 
@@ -99,8 +102,8 @@ std::size_t mostSamples(std::size_t triangles, std::size_t vertices) {
     return 1'500'000 + 7 * triangles + 50 * vertices;
 }
 
-using Axes = std::array<Point3, 3>;
-constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+using shapes::Axes;
+using shapes::kCoordinateAxes;
 
 Point3 toFrame(const Axes& axes, const Point3& p) {
     return {dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
@@ -147,60 +150,6 @@ Axes orientedAxes(std::span<const Point3> points) {
     return axes;
 }
 
-/// Returns axes of which one is a coordinate axis. The two others are along the smallest rectangle
-/// around the points seen along this axis: one of its sides is along a side of the convex hull.
-Axes axesWith(int axis, std::span<const Point3> points) {
-    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
-    using Place = std::array<double, 2>;
-    std::vector<Place> places, hull;
-    for (const Point3& point : points) places.push_back({point[first], point[second]});
-    std::ranges::sort(places);
-    // Twice the lower half of the hull, the second time backwards.
-    for (const bool isUpper : {false, true}) {
-        const std::size_t begin = hull.size();
-        for (const Place& place : places) {
-            while (hull.size() >= begin + 2) {
-                const Place &a = hull[hull.size() - 2], &b = hull.back();
-                if ((b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]) > 0)
-                    break;
-                hull.pop_back();
-            }
-            hull.push_back(place);
-        }
-        if (!isUpper) std::ranges::reverse(places);
-    }
-    Place best = {1, 0};
-    double least = std::numeric_limits<double>::infinity();
-    const double size = BoundingBox(points).diagonal();
-    for (std::size_t i = 0; i + 1 < hull.size(); ++i) {
-        checkCancelledEvery(i, 8);
-        Place way = {hull[i + 1][0] - hull[i][0], hull[i + 1][1] - hull[i][1]};
-        const double length = std::hypot(way[0], way[1]);
-        if (!(length > 0)) continue;
-        way = {way[0] / length, way[1] / length};
-        Place low, high;
-        low.fill(std::numeric_limits<double>::infinity());
-        high.fill(-std::numeric_limits<double>::infinity());
-        for (const Place& at : hull) {
-            const Place turned = {way[0] * at[0] + way[1] * at[1], way[0] * at[1] - way[1] * at[0]};
-            for (std::size_t k = 0; k < 2; ++k) {
-                low[k] = std::min(low[k], turned[k]);
-                high[k] = std::max(high[k], turned[k]);
-            }
-        }
-        const double thin = 1e-3 * size;  // for flat models
-        const double area = (high[0] - low[0] + thin) * (high[1] - low[1] + thin);
-        if (area >= least) continue;
-        least = area;
-        best = way;
-    }
-    Axes axes = kCoordinateAxes;
-    axes[first][first] = axes[second][second] = best[0];
-    axes[first][second] = best[1];
-    axes[second][first] = -best[1];
-    return axes;
-}
-
 bool isSymmetric(const Frame& frame) {
     return frame.mirrors != MirrorPlanes();
 }
@@ -212,7 +161,7 @@ public:
 
 private:
     double padding() const { return std::max(margin_, choice_.padding * diagonal_); }
-    std::vector<std::array<bool, 3>> planeChoices(const ModelSymmetry& symmetry) const;
+    std::vector<unsigned> planeChoices(const ModelSymmetry& symmetry) const;
     void addFrames(const MirrorPlanes& mirrors);
     void choose(const CellChoice& choice);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
@@ -267,7 +216,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.shell, "shell", 2 * diagonal_);
     requireNumber(options.symmetry, "symmetry", 1);
     margin_ = options.margin * diagonal_ + options.shell / 2;
-    addFrames({});
+    frames_.push_back({kCoordinateAxes, surface_.points(), {}});
     choose(kCellChoices.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
@@ -289,8 +238,8 @@ void CageMaker::addFrames(const MirrorPlanes& mirrors) {
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
     Axes axes;
     if (planeCount == 0) axes = orientedAxes(points);
-    for (int axis = 0; axis < 3; ++axis)
-        if (mirrors[axis]) axes = axesWith(axis, points);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (mirrors[axis]) axes = shapes::smallestBoxAbout(axis, points, least);
     std::vector<Point3> turned;
     for (const Point3& point : surface_.points()) turned.push_back(toFrame(axes, point));
     if (volume(BoundingBox(turned).size()) < kSmaller * volume(BoundingBox(points).size()))
@@ -317,9 +266,11 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
     if (options_.keepApart)
         perEdge = static_cast<Index>(std::max<double>(
             kVoxelsPerEdgeApart, std::ceil(kVoxelsAcrossApart * cellSize / diagonal_)));
-    while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) --perEdge;
-    // A plane of symmetry may be in the middle of a cell.
-    return isSymmetric(frame) ? perEdge / 2 * 2 : perEdge;
+    // A plane of symmetry may be in the middle of a cell: then the number is even.
+    const Index step = isSymmetric(frame) ? 2 : 1;
+    perEdge += perEdge % step;
+    while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) perEdge -= step;
+    return perEdge;
 }
 
 /// Returns the least size of cells that two voxels along an edge allow.
@@ -514,27 +465,21 @@ std::optional<Lattice> CageMaker::findLattice(std::span<const CellChoice> choice
     return std::nullopt;
 }
 
-/// Returns the axes across which the lattice is to be symmetric: the first choice, and others if no
-/// lattice can be fitted.
-std::vector<std::array<bool, 3>> CageMaker::planeChoices(const ModelSymmetry& symmetry) const {
-    std::array<bool, 3> all = {};
-    const Symmetric given = options_.symmetric;
-    const auto isOneOf = [&](std::initializer_list<Symmetric> choices) {
-        return std::ranges::find(choices, given) != choices.end();
-    };
-    if (given != Symmetric::Auto) {
-        all[0] = isOneOf({Symmetric::X, Symmetric::XY, Symmetric::XZ, Symmetric::XYZ});
-        all[1] = isOneOf({Symmetric::Y, Symmetric::XY, Symmetric::YZ, Symmetric::XYZ});
-        all[2] = isOneOf({Symmetric::Z, Symmetric::XZ, Symmetric::YZ, Symmetric::XYZ});
-        return {all};
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        all[axis] = symmetry.planes[axis].off <= options_.symmetry;
-    std::vector<std::array<bool, 3>> choices = {all};
-    if (std::ranges::count(all, true) > 1)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            if (all[axis]) choices.emplace_back()[axis] = true;
-    if (choices.back() != std::array<bool, 3>()) choices.emplace_back();
+/// Returns the planes about which the lattice is to be symmetric: the first choice, and others if
+/// no lattice can be fitted. Bit a of a choice stands for the plane across axis a.
+std::vector<unsigned> CageMaker::planeChoices(const ModelSymmetry& symmetry) const {
+    constexpr unsigned kPlanes[] = {0, 0, 1, 2, 4, 3, 5, 6, 7};
+    static_assert(std::size(kPlanes) == std::size(kSymmetricWords));
+    if (options_.symmetric != Symmetric::Auto)
+        return {kPlanes[static_cast<std::size_t>(options_.symmetric)]};
+    unsigned all = 0;
+    for (unsigned axis = 0; axis < 3; ++axis)
+        if (symmetry.planes[axis].off <= options_.symmetry) all |= 1u << axis;
+    std::vector<unsigned> choices = {all};
+    if (std::popcount(all) > 1)
+        for (unsigned axis = 0; axis < 3; ++axis)
+            if (all >> axis & 1) choices.push_back(1u << axis);
+    if (all != 0) choices.push_back(0);
     return choices;
 }
 
@@ -554,8 +499,8 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
     for (std::size_t i = 0; i < choices.size(); ++i) {
         MirrorPlanes mirrors;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            symmetry.planes[axis].isUsed = choices[i][axis];
-            if (choices[i][axis]) mirrors[axis] = symmetry.planes[axis].at;
+            symmetry.planes[axis].isUsed = choices[i] >> axis & 1;
+            if (symmetry.planes[axis].isUsed) mirrors[axis] = symmetry.planes[axis].at;
         }
         // All searches before the last one share their work.
         const bool isLast = i + 1 == choices.size();

@@ -139,7 +139,7 @@ void CubeParts::findParts(std::vector<std::vector<FaceVoxel>>& faces) {
     parts_.clear();
     partOf_.assign(voxels_.used().count(), kNone);
     // A copy of one cube, with a layer of voxels around it that are not used: 1 for voxels that are
-    // in no part yet. Voxels around a cube would else be asked for their ranks many times.
+    // in no part yet. The layer saves a bounds test and a rank for each neighbour.
     std::vector<char> isFree(Offset{wide} * wide * wide, 0);
     const std::array<Index, 3> localStrides = {1, wide, wide * wide};
     struct Member {
@@ -509,13 +509,15 @@ void CubeParts::giveVoxels(Index number,
 }
 
 void CubeParts::join(Index kept, Index other, int joins) {
-    forEachMirror([&](unsigned axes) {
-        const Index a = imageOf(kept, axes), b = imageOf(other, axes);
-        if (a != b) joinOne(a, b, joins);
-    });
+    // The joins change the images, so all pairs are found first.
+    std::vector<std::pair<Index, Index>> pairs;
+    forEachMirror(
+        [&](unsigned axes) { pairs.emplace_back(imageOf(kept, axes), imageOf(other, axes)); });
+    for (const auto& [first, second] : pairs)
+        if (const Index a = alive(first), b = alive(second); a != b) joinPair(a, b, joins);
 }
 
-void CubeParts::joinOne(Index kept, Index other, int joins) {
+void CubeParts::joinPair(Index kept, Index other, int joins) {
     Part &a = parts_[kept], &b = parts_[other];
     a.joins = std::max({a.joins, b.joins, joins});
     if (a.joins > 1 && !joined_) {
@@ -528,7 +530,7 @@ void CubeParts::joinOne(Index kept, Index other, int joins) {
     for (const Contact& contact : b.contacts) {
         auto& backs = parts_[contact.to].contacts;
         std::erase_if(backs, [&](const Contact& back) { return back.to == other; });
-        addContactOne(kept, contact);
+        addOneContact(kept, contact);
     }
     b.contacts.clear();
     b.voxels.clear();
@@ -538,13 +540,13 @@ void CubeParts::joinOne(Index kept, Index other, int joins) {
 
 void CubeParts::addContact(Index part, const Contact& contact) {
     forEachMirror([&](unsigned axes) {
-        addContactOne(
+        addOneContact(
             imageOf(part, axes),
             {imageOf(contact.to, axes), mirroredDirection(contact.direction, axes), contact.count});
     });
 }
 
-void CubeParts::addContactOne(Index part, const Contact& contact) {
+void CubeParts::addOneContact(Index part, const Contact& contact) {
     const auto add = [](std::vector<Contact>& contacts, const Contact& more) {
         for (Contact& old : contacts) {
             if (old.to != more.to || old.direction != more.direction) continue;

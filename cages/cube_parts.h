@@ -117,8 +117,8 @@ private:
     bool detachAll(std::span<const Index> orbit);
     void detach(Index part);
     void giveVoxels(Index part, const std::array<std::optional<Index>, kDirections>& neighbours);
-    void joinOne(Index kept, Index other, int joins);
-    void addContactOne(Index part, const Contact& contact);
+    void joinPair(Index kept, Index other, int joins);
+    void addOneContact(Index part, const Contact& contact);
     bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
     double squareToFace(const Cube& cube, Index direction, const std::array<Index, 3>& place) const;

@@ -263,15 +263,11 @@ ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> po
     }
     for (int axis = 0; axis < 3; ++axis)
         if (options.mirrors[axis]) addMirrored(used_, axis);
-    if (!options.isShell) {
-        solid_ = used_;
-    }
+    if (!options.isShell) solid_ = used_;
     if (options.around > 0)
         VoxelSet(grid_.counts, used_).within(options.around / grid_.size).forEach([&](Index voxel) {
             used_.insert(voxel);
         });
-    for (int axis = 0; axis < 3; ++axis)
-        if (options.mirrors[axis]) addMirrored(used_, axis);
     used_.makeRanks();
 }
 

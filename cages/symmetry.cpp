@@ -23,13 +23,13 @@ namespace {
 /// A plane this near to 0, in diagonals, is at 0.
 constexpr double kNearZero = 1e-6;
 
-/// Largest difference between the faces of both sides, as the distance of their moments from the
-/// plane, in diagonals. Polygons that are not flat have other areas if they are divided by another
-/// diagonal.
+/// Largest difference between the faces of both sides: their mean distance from the plane, with a
+/// sign for each side, in diagonals. Polygons that are not flat have other areas if they are
+/// divided by another diagonal.
 constexpr double kFaceTolerance = 0.01;
 
 /// Points that count for the distance of a model that is not symmetric.
-constexpr std::size_t kMostProbes = 1000;
+constexpr std::size_t kMaxProbes = 1000;
 
 /// The points of a model in the cubes of a grid.
 class PointSearch {
@@ -91,7 +91,7 @@ double offOfPoints(std::span<const Point3> points, const PointSearch& search, in
     }
     if (isSymmetric) return most;
     most = 0;
-    const std::size_t step = (points.size() + kMostProbes - 1) / kMostProbes;
+    const std::size_t step = (points.size() + kMaxProbes - 1) / kMaxProbes;
     for (std::size_t i = 0; i < points.size(); i += step) {
         checkCancelledEvery(i, 4);
         most = std::max(most, search.distance(mirrored(points[i], axis, at), search.ringCount()));

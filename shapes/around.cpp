@@ -14,8 +14,8 @@
 #include <limits>
 #include <string>
 
+#include <espalier/shapes/smallest_box.h>
 #include "checks.h"
-#include "smallest_box.h"
 
 namespace espalier::shapes {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "checks.h"
-#include "smallest_box.h"
+#include <espalier/shapes/smallest_box.h>
 
 namespace espalier::shapes::pose {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "smallest_box.h"
+#include <espalier/shapes/smallest_box.h>
 
 #include <espalier/base/cancellable_sort.h>
 #include <espalier/base/progress.h>
@@ -101,6 +101,27 @@ double paddedVolume(const BoundingBox& box, double padding) {
     return (size[0] + padding) * (size[1] + padding) * (size[2] + padding);
 }
 
+/// Turns a box about one of its axes, so that it becomes as small as possible.
+void turnAbout(std::size_t axis, std::span<const Point3> points, double padding, Axes& current) {
+    const Point3 u = current[(axis + 1) % 3], v = current[(axis + 2) % 3];
+    std::vector<Point2> projected;
+    projected.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
+        projected.push_back({dot(points[i], u), dot(points[i], v)});
+    }
+    Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
+    // The sides have four directions. The one nearest to u becomes the new u, so that the axes
+    // keep their numbers and the search turns the box about each axis in turn.
+    if (std::abs(side[1]) > std::abs(side[0])) side = {side[1], -side[0]};
+    if (side[0] < 0) side = {-side[0], -side[1]};
+    Point3 first;
+    for (std::size_t i = 0; i < 3; ++i) first[i] = side[0] * u[i] + side[1] * v[i];
+    first = normalised(first);
+    current[(axis + 1) % 3] = first;
+    current[(axis + 2) % 3] = cross(current[axis], first);
+}
+
 /// Turns a box about its axes, by the smallest rectangles, until its volume no longer decreases.
 struct Search {
     std::span<const Point3> points;
@@ -116,7 +137,7 @@ struct Search {
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
-            turnAbout(current, turns % 3);
+            turnAbout(turns % 3, points, padding, current);
             const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
             smallest = next;
@@ -133,26 +154,6 @@ private:
         if (!(size < volume * (1 - kGain))) return;
         volume = size;
         axes = candidate;
-    }
-
-    void turnAbout(Axes& current, std::size_t axis) const {
-        const Point3 u = current[(axis + 1) % 3], v = current[(axis + 2) % 3];
-        std::vector<Point2> projected;
-        projected.reserve(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            checkCancelledEvery(i, 16);
-            projected.push_back({dot(points[i], u), dot(points[i], v)});
-        }
-        Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
-        // The sides have four directions. The one nearest to u becomes the new u, so that the axes
-        // keep their numbers and the search turns the box about each axis in turn.
-        if (std::abs(side[1]) > std::abs(side[0])) side = {side[1], -side[0]};
-        if (side[0] < 0) side = {-side[0], -side[1]};
-        Point3 first;
-        for (std::size_t i = 0; i < 3; ++i) first[i] = side[0] * u[i] + side[1] * v[i];
-        first = normalised(first);
-        current[(axis + 1) % 3] = first;
-        current[(axis + 2) % 3] = cross(current[axis], first);
     }
 };
 
@@ -233,6 +234,12 @@ Axes smallestBox(std::span<const Point3> points, double padding) {
     search.start(kCoordinateAxes);
     search.start(rough.axes);
     return named(search.axes);
+}
+
+Axes smallestBoxAbout(std::size_t axis, std::span<const Point3> points, double padding) {
+    Axes axes = kCoordinateAxes;
+    turnAbout(axis, points, padding, axes);
+    return axes;
 }
 
 }  // namespace espalier::shapes

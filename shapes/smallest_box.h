@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/point.h>
 
@@ -31,5 +32,12 @@ BoundingBox boxAlong(const Axes& axes, std::span<const Point3> points);
 /// \param padding added to each side before volumes are compared: of the boxes around points in a
 ///        plane, all of volume 0, a positive padding chooses one with a small area
 Axes smallestBox(std::span<const Point3> points, double padding);
+
+/// Returns the axes for which the box around the points is smallest, of all boxes of which one axis
+/// is the coordinate axis with a number, 0 to 2. The two others are turned by at most 45 degrees.
+/// \param padding as in smallestBox()
+/// \cost O(points log points)
+ESPALIER_API Axes smallestBoxAbout(std::size_t axis, std::span<const Point3> points,
+                                   double padding);
 
 }  // namespace espalier::shapes
