@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string>
 
-#include "checks.h"
 #include <espalier/shapes/smallest_box.h>
+#include "checks.h"
 
 namespace espalier::shapes::pose {
 namespace {
