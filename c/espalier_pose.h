@@ -234,6 +234,27 @@ ESPALIER_C_API espalier_status espalier_pose_taper(int32_t vertex_count, const d
                                                    const espalier_pose_options* options,
                                                    double* pose);
 
+/// Lets the other side do what one side does: gives the mirror image of each position the mirrored
+/// place of the position. Images are found in the lattice at rest, within a thousandth of the
+/// diagonal of the box around it. Of a position and its image, the one with the larger weight
+/// leads; of equal weights, the one on the side of the plane where the weights have the larger sum.
+/// A position that is its own image moves into the plane.
+/// \param rest 3 · vertex_count numbers: the lattice at rest
+/// \param axis 0 to 2: the plane is across this axis
+/// \param plane may be null; the coordinate of the plane on the axis. Default: of the middle of the
+///        box around the lattice at rest
+/// \param weights null, for 1 everywhere; or vertex_count numbers, 0 to 1, which choose the
+///        positions whose images follow
+/// \param pose receives 3 · vertex_count numbers; may be the same array as `positions`
+/// \param without_image may be null; receives the number of positions with a weight above 0 that
+///        have no mirror image, and so stay
+/// \retval ESPALIER_ERROR_INPUT no position with a weight above 0 has a mirror image
+/// \cost O(vertex_count · log vertex_count)
+ESPALIER_C_API espalier_status espalier_pose_mirror(int32_t vertex_count, const double* positions,
+                                                    const double* rest, int32_t axis,
+                                                    const double* plane, const double* weights,
+                                                    double* pose, int32_t* without_image);
+
 // ---- Files ----------------------------------------------------------------------------------
 
 /// Writes a lattice as an editor mesh: an .obj or .ply with the vertices in their order,

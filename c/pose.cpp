@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "espalier_pose.h"
@@ -295,6 +297,22 @@ espalier_status espalier_pose_taper(int32_t vertex_count, const double* position
                       [&](const auto& from, const auto& chosen) {
                           return shapes::pose::taper(from, c::point(axis, "axis"), factor, chosen);
                       });
+}
+
+espalier_status espalier_pose_mirror(int32_t vertex_count, const double* given, const double* rest,
+                                     int32_t axis, const double* plane, const double* weights,
+                                     double* pose, int32_t* without_image) {
+    return c::guarded([&] {
+        const auto from = c::positions(given, vertex_count, "positions");
+        const auto atRest = c::positions(rest, vertex_count, "rest");
+        const auto to = c::array(pose, vertex_count, "pose", 3);
+        std::span<const double> chosen;
+        if (weights != nullptr) chosen = c::array(weights, vertex_count, "weights");
+        const auto result = shapes::pose::mirror(atRest, from, axis, chosen,
+                                                 plane ? std::optional(*plane) : std::nullopt);
+        c::write(result.positions, to);
+        if (without_image != nullptr) *without_image = result.withoutImage;
+    });
 }
 
 espalier_status espalier_lattice_write_editor_mesh(const espalier_lattice* lattice,

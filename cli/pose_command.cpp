@@ -99,6 +99,21 @@ std::optional<shapes::Falloff::Profile> falloffOf(std::string_view word) {
     return known->choice;
 }
 
+/// A plane across an axis: at a place, or in the middle of the lattice.
+struct MirrorPlane {
+    int axis = 0;
+    std::optional<double> place = {};
+};
+
+/// Returns the plane that a word names: x, y=0.5.
+std::optional<MirrorPlane> mirrorPlaneOf(const std::string& word) {
+    if (word.empty() || word[0] < 'x' || word[0] > 'z') return std::nullopt;
+    const int axis = word[0] - 'x';
+    if (word.size() == 1) return MirrorPlane{axis};
+    const auto place = word[1] == '=' ? numberOf(word.substr(2)) : std::nullopt;
+    return place ? std::optional(MirrorPlane{axis, *place}) : std::nullopt;
+}
+
 /// Returns a check that a word is a length.
 /// \param words all words of the option, for the message
 CLI::Validator isLengthOf(const std::string& words) {
@@ -170,6 +185,23 @@ public:
             options.startsAtCenter = !range;
         }
         positions_ = operate(std::span<const Point3>(positions_), options);
+    }
+
+    /// Lets the images of the selected vertices do what these do.
+    void mirror(const MirrorPlane& at) {
+        operate([&](const auto& positions, const pose::Options& options) {
+            pose::Mirrored result =
+                pose::mirror(lattice_.positions, positions, at.axis, options.weights, at.place);
+            const std::string without =
+                result.withoutImage == 0
+                    ? ""
+                    : fmt::format("; {} without a mirror image {}", result.withoutImage,
+                                  result.withoutImage == 1 ? "stays" : "stay");
+            found_.push_back(fmt::format("mirror: {} of {} selected vertices at {} = {:.4g}{}",
+                                         result.withImage, result.withImage + result.withoutImage,
+                                         "xyz"[at.axis], result.plane, without));
+            return std::move(result.positions);
+        });
     }
 
     const Lattice& lattice() const { return lattice_; }
@@ -429,6 +461,19 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
                  "Scale across the axis: by 1 at its start, FACTOR at its end",
                  [](const auto& positions, const Point3& axis, double factor, const auto& options,
                     const Posing&) { return pose::taper(positions, axis, factor, options); });
+    addStep<std::string>(
+        command, steps, "--mirror",
+        "The vertices on the other side do what the selected vertices did: the other side of the "
+        "middle plane across an axis (x, y or z), or of a plane such as x=0.5",
+        [](Posing& posing, const std::string& word) { posing.mirror(*mirrorPlaneOf(word)); })
+        ->check(CLI::Validator(
+            [](std::string& word) {
+                return mirrorPlaneOf(word)
+                           ? std::string()
+                           : "expected x, y or z, or a plane such as x=0.5, got " + shown(word);
+            },
+            ""))
+        ->type_name("AXIS|AXIS=PLACE");
 }
 
 void addSelections(CLI::App& command, std::vector<Step>& steps) {
@@ -530,11 +575,11 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
 }  // namespace
 
 void addPoseCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(
-        program, "pose",
-        "Pose a lattice: move, rotate, scale, twist, bend or taper its vertices, in the order of "
-        "the options",
-        runPose);
+    const auto [command, options] = addCommand(program, "pose",
+                                               "Pose a lattice: move, rotate, scale, twist, bend, "
+                                               "taper or mirror its vertices, in the order of "
+                                               "the options",
+                                               runPose);
     command
         .add_option("LATTICE", options.lattice,
                     "The lattice: " + filesToRead(io::FileContent::Lattice))

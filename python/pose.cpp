@@ -173,6 +173,37 @@ range : as in twist()
 )");
 }
 
+void addMirror(py::module_& module) {
+    module.def(
+        "mirror",
+        [](const ArrayLike& rest, const ArrayLike& positions, const std::string& axis,
+           const py::object& weights, const std::optional<double>& plane) {
+            const Arguments given(positions, weights);
+            if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z')
+                throw ArgumentError("", "axis", inQuotes(axis), "x, y or z");
+            const auto atRest = toPoints(rest, "rest");
+            const auto result =
+                pose::mirror(atRest, given.positions, axis[0] - 'x', given.weights, plane);
+            if (result.withoutImage > 0)
+                warn(concat("mirror: ", result.withoutImage, " of ",
+                            result.withImage + result.withoutImage,
+                            " positions have no mirror image, and stay"));
+            return toArray(result.positions);
+        },
+        "rest"_a, "positions"_a, "axis"_a, py::kw_only(), "weights"_a = py::none(),
+        "plane"_a = py::none(), R"(
+Lets the other side do what one side does: gives the mirror image of each position the mirrored place
+of the position. Images are found in the lattice at rest, within a thousandth of its diagonal.
+
+rest, positions : (N, 3) arrays of float; axis : "x", "y" or "z", across which the plane is
+weights : array (N,) of float from 0 to 1, default 1. Of a position and its image, the one with the
+    larger weight leads; of equal weights, the one on the side where the weights have the larger sum
+plane : coordinate of the plane on the axis; default: the middle of the box around `rest`
+
+A UserWarning counts positions with a weight above 0 that have no mirror image, and so stay.
+)");
+}
+
 void addSelections(py::module_& module) {
     module.def(
         "select_box",
@@ -368,6 +399,7 @@ void addPose(py::module_& module) {
         "_pose", "Operations that pose a lattice (Barr 1984), and selections of its vertices.");
     poseModule.attr("__module__") = "espalier.pose";
     addOperations(poseModule);
+    addMirror(poseModule);
     addSelections(poseModule);
     addSelectionsAlongCells(poseModule);
     py::delattr(poseModule, "__module__");

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
+#include <espalier/shapes/mirror_images.h>
 #include <espalier/shapes/pose.h>
 
 #include <algorithm>
@@ -206,6 +207,64 @@ std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis,
         const double change = w * (factor - 1) * line.fraction(dot(p, line.axis));
         return sum(p, scaled(difference(p, line.foot(p)), change));
     });
+}
+
+namespace {
+
+/// Returns for each position with an image whether it decides where its image is.
+std::vector<bool> leaders(const Weighted& chosen, std::span<const Point3> rest,
+                          std::span<const Index> images, int axis) {
+    // Which of the two is on which side follows from the two alone, also near the plane.
+    const auto isUpper = [&](std::size_t i) { return rest[i][axis] > rest[images[i]][axis]; };
+    double upper = 0, lower = 0;
+    for (std::size_t i = 0; i < rest.size(); ++i)
+        if (images[i] >= 0 && images[i] != static_cast<Index>(i))
+            (isUpper(i) ? upper : lower) += chosen.weight(i);
+    std::vector<bool> result(rest.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        if (images[i] < 0) continue;
+        const double own = chosen.weight(i), other = chosen.weight(images[i]);
+        result[i] = own != other ? own > other : own > 0 && isUpper(i) == (upper >= lower);
+    }
+    return result;
+}
+
+}  // namespace
+
+Mirrored mirror(std::span<const Point3> rest, std::span<const Point3> positions, int axis,
+                std::span<const double> weights, std::optional<double> plane) {
+    const Weighted chosen("mirror", positions, weights);
+    if (rest.size() != positions.size())
+        throw Error(
+            concat("rest has ", rest.size(), " positions, and there are ", positions.size()));
+    requireFinite("rest", rest);
+    const BoundingBox box(rest);
+    if (plane) requireFinite("mirror", "plane", *plane);
+    if (axis < 0 || axis > 2) throw ArgumentError("mirror", "axis", std::to_string(axis), "0 to 2");
+    Mirrored result;
+    result.positions.assign(positions.begin(), positions.end());
+    if (rest.empty()) return result;
+    result.plane = plane.value_or(between(box.min, box.max, 0.5)[axis]);
+    constexpr double kTolerance = 1e-3;  // see above
+    const auto images = mirrorImages(rest, axis, result.plane, kTolerance * box.diagonal());
+    const auto leads = leaders(chosen, rest, images, axis);
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        const Index image = images[i];
+        if (!(chosen.weight(i) > 0)) continue;
+        ++(image < 0 ? result.withoutImage : result.withImage);
+        if (image == static_cast<Index>(i)) {
+            result.positions[i][axis] = result.plane;
+        } else if (image >= 0 && leads[i]) {
+            result.positions[image] = positions[i];
+            result.positions[image][axis] = 2 * result.plane - positions[i][axis];
+        }
+    }
+    requireFinite("mirrored positions", result.positions);
+    if (result.withImage == 0)
+        throw Error(concat("mirror: no position with a weight above 0 has a mirror image at ",
+                           std::string(1, "xyz"[axis]), " = ", textOf(result.plane),
+                           "; the lattice at rest is not symmetric there"));
+    return result;
 }
 
 }  // namespace espalier::shapes::pose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/index.h>
 #include <espalier/base/point.h>
 
 #include <array>
@@ -10,8 +11,8 @@
 #include <vector>
 
 /// \file
-/// Operations that pose a lattice: move, rotate, scale, twist, bend and taper. Each takes positions
-/// and returns the new ones.
+/// Operations that pose a lattice: move, rotate, scale, twist, bend, taper and mirror. Each takes
+/// positions and returns the new ones.
 ///
 /// Each operation gives a position with weight w a part of its effect: all of it at w = 1; at w = 0
 /// the position stays as it is, bit for bit. Angles are in radians.
@@ -88,5 +89,37 @@ ESPALIER_API std::vector<Point3> bend(std::span<const Point3> positions, const P
 /// \cite Barr 1984, section 3.2
 ESPALIER_API std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis,
                                        double factor, const Options& options = {});
+
+/// The result of mirror().
+struct Mirrored {
+    std::vector<Point3> positions;
+    double plane = 0;        ///< coordinate of the plane on its axis
+    Index withImage = 0;     ///< number of positions with a weight above 0 that have an image
+    Index withoutImage = 0;  ///< number of the other ones with a weight above 0
+};
+
+/// Lets the other side do what one side does: gives the mirror image of each position the mirrored
+/// place of the position. Images are found in the lattice at rest.
+///
+/// Of a position and its image, the one with the larger weight leads. If their weights are equal,
+/// the one leads that is on the side whose weights have the larger sum; or, for equal sums, on the
+/// side of larger coordinates. A position that is its own image moves into the plane. Positions
+/// stay if they have no image, and if neither they nor their images have a weight above 0. The
+/// weights choose, and do not divide the effect.
+///
+/// \param rest positions of the lattice at rest. A position may be up to a thousandth of the
+///        diagonal of the box around them from its mirror image: editors round coordinates, and
+///        vertices of one lattice are farther apart
+/// \param positions one for each of `rest`
+/// \param axis 0 to 2: the plane is across this axis
+/// \param weights one per position, 0 to 1; empty: 1 for all
+/// \param plane coordinate of the plane on the axis; by default, of the middle of the box around
+///        `rest`
+/// \throws Error also if the numbers of positions differ, and if no position with a weight above 0
+///         has an image
+/// \cost O(n log n)
+ESPALIER_API Mirrored mirror(std::span<const Point3> rest, std::span<const Point3> positions,
+                             int axis, std::span<const double> weights = {},
+                             std::optional<double> plane = {});
 
 }  // namespace espalier::shapes::pose

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/argument_error.h>
-#include <espalier/embed/box_tree.h>
+#include <espalier/shapes/mirror_images.h>
 #include <espalier/solve/design_variables.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -24,42 +23,6 @@ void requireScale(const char* argument, double factor) {
 void checkAxis(int axis) {
     if (axis < 0 || axis > 2) throw ArgumentError("", "axis", std::to_string(axis), "0 to 2");
 }
-
-/// Finds the mirror image of each point among the points.
-class Images {
-public:
-    Images(std::span<const Point3> positions, int axis, double plane, double tolerance)
-        : positions_(positions), axis_(axis), plane_(plane), tolerance_(tolerance), tree_([&] {
-              std::vector<embed::BoxTree::Box> boxes;
-              for (const Point3& position : positions) {
-                  const Eigen::Vector3d p(position.data());
-                  boxes.emplace_back(p.array() - tolerance, p.array() + tolerance);
-              }
-              return boxes;
-          }()) {}
-
-    /// \throws Error if a point has no image, or several
-    Index of(Index vertex) const {
-        Eigen::Vector3d image(positions_[vertex].data());
-        image[axis_] = 2 * plane_ - image[axis_];
-        std::vector<Index> found;
-        tree_.findContaining(image, found);
-        std::erase_if(found, [&](Index candidate) {
-            return (Eigen::Vector3d(positions_[candidate].data()) - image).norm() > tolerance_;
-        });
-        if (found.size() == 1) return found.front();
-        throw Error(concat(
-            "vertex ", vertex, " has ",
-            found.empty() ? std::string("no mirror image") : concat(found.size(), " mirror images"),
-            " within ", tolerance_));
-    }
-
-private:
-    std::span<const Point3> positions_;
-    int axis_;
-    double plane_, tolerance_;
-    embed::BoxTree tree_;  ///< contains a box of the size of the tolerance around each point
-};
 
 }  // namespace
 
@@ -155,25 +118,20 @@ void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& 
 
 void DesignVariables::mirror(std::span<const Point3> positions, int axis, double at,
                              double tolerance) {
-    checkAxis(axis);
-    if (!std::isfinite(at)) refuseNumber("at", at, "a finite number");
-    if (!(tolerance >= 0) || !std::isfinite(tolerance))
-        refuseNumber("tolerance", tolerance, "a finite number of 0 or more");
     if (3 * positions.size() != links_.size())
         throw Error(
             concat("got ", positions.size(), " positions for ", links_.size() / 3, " vertices"));
-    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
-        for (const double coordinate : positions[vertex])
-            if (!std::isfinite(coordinate))
-                throw Error(concat("the position of vertex ", vertex, " is not finite"));
-    const Images images(positions, axis, at, tolerance);
-    std::vector<Index> found;
-    for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
-        found.push_back(images.of(vertex));
+    const std::vector<Index> images = shapes::mirrorImages(positions, axis, at, tolerance);
+    for (std::size_t vertex = 0; vertex < images.size(); ++vertex)
+        if (images[vertex] < 0)
+            throw Error(concat(
+                "vertex ", vertex, " has ",
+                images[vertex] == shapes::kNoImage ? "no mirror image" : "several mirror images",
+                " within ", tolerance));
     std::array<double, 3> factors = {1, 1, 1};
     factors[axis] = -1;
-    for (std::size_t vertex = 0; vertex < found.size(); ++vertex)
-        link(static_cast<Index>(vertex), found[vertex], factors);
+    for (std::size_t vertex = 0; vertex < images.size(); ++vertex)
+        link(static_cast<Index>(vertex), images[vertex], factors);
 }
 
 stencils::StencilTable<double> DesignVariables::matrix() const {

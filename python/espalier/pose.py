@@ -15,6 +15,7 @@ __all__ = [
     "bend",
     "border",
     "grow",
+    "mirror",
     "move",
     "rotate",
     "scale",

@@ -56,6 +56,14 @@ def taper(
     center: Sequence[float] | None = None,
     range: Sequence[float] | None = None,
 ) -> _Array: ...
+def mirror(
+    rest: ArrayLike,
+    positions: ArrayLike,
+    axis: Literal["x", "y", "z"],
+    *,
+    weights: ArrayLike | None = None,
+    plane: float | None = None,
+) -> _Array: ...
 def select_box(
     positions: ArrayLike,
     corner: Sequence[float],

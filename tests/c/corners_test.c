@@ -512,6 +512,8 @@ static void test_poses(void) {
             record(espalier_pose_bend(2, positions, x, d, odd, &options, values));
             record(espalier_pose_taper(2, positions, odd, d, &options, values));
         }
+        record(espalier_pose_mirror(2, odd, positions, 0, &d, odd, values, NULL));
+        record(espalier_pose_mirror(2, positions, odd, 2, NULL, NULL, values, NULL));
     }
     const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
     for (size_t i = 0; i < COUNT(sizes); ++i) {

@@ -246,6 +246,12 @@ static void test_poses(void) {
     FINITE(x[0], "toward: expected",
            espalier_pose_bend(N, positions, z, number, x, &options, pose));
     ALONG("factor", espalier_pose_taper(N, positions, z, number, &options, pose));
+    FINITE(positions[5], "positions[1] is (",
+           espalier_pose_mirror(N, positions, rest, 0, &number, NULL, pose, NULL));
+    FINITE(positions[5], "rest[1] is (",
+           espalier_pose_mirror(N, rest, positions, 0, &number, NULL, pose, NULL));
+    FINITE(number, "plane: expected a finite number",
+           espalier_pose_mirror(N, positions, rest, 0, &number, NULL, pose, NULL));
 }
 
 static void test_bindings(void) {

@@ -2,6 +2,7 @@
 /* Tests poses: selections, operations and files, on the box of 2 × 2 × 2 cells. */
 
 #include <math.h>
+#include <string.h>
 
 #include "box.h"
 #include "check.h"
@@ -213,6 +214,14 @@ static void test_bad_operations(void) {
             "taper: factor: expected 0 or more, got -1");
     INVALID(espalier_pose_taper(N, rest, NULL, 1, NULL, pose), "axis is null");
     INVALID(espalier_pose_bend(N, rest, z_axis, 1, z_axis, NULL, pose), "bend: toward");
+    INVALID(espalier_pose_mirror(N, NULL, rest, 0, NULL, NULL, pose, NULL), "positions is null");
+    INVALID(espalier_pose_mirror(N, rest, NULL, 0, NULL, NULL, pose, NULL), "rest is null");
+    INVALID(espalier_pose_mirror(N, rest, rest, 0, NULL, NULL, NULL, NULL), "pose is null");
+    INVALID(espalier_pose_mirror(N, rest, rest, -1, NULL, NULL, pose, NULL),
+            "mirror: axis: expected 0 to 2, got -1");
+    const double far_away = 9;
+    INVALID(espalier_pose_mirror(N, rest, rest, 2, &far_away, NULL, pose, NULL),
+            "has a mirror image at z = 9");
     INVALID(espalier_pose_bend(N, rest, z_axis, 1, NULL, NULL, pose), "toward is null");
     INVALID(espalier_pose_bend(N, rest, NULL, 1, x_axis, NULL, pose), "axis is null");
     options.range = backwards;
@@ -230,6 +239,31 @@ static void test_bad_operations(void) {
     options.size = 1;
     INVALID(espalier_pose_scale(N, rest, one, &options, pose), "espalier_default_pose_options()");
     for (int i = 0; i < 3 * N; ++i) CHECK(pose[i] == -7);
+}
+
+/* What the vertices at z = 1 do, those at z = 0 do as well. */
+static void test_mirror(void) {
+    double pose[3 * N], weights[N], changed[3 * N];
+    OK(espalier_select_end(N, rest, z_axis, NULL, weights));
+    const double up[3] = {0.25, 0, 0.5};
+    espalier_pose_options options = espalier_default_pose_options();
+    options.weights = weights;
+    OK(espalier_pose_move(N, rest, up, &options, pose));
+    int32_t without_image = -1;
+    OK(espalier_pose_mirror(N, pose, rest, 2, NULL, weights, pose, &without_image));
+    CHECK(without_image == 0);
+    for (int v = 0; v < N; ++v) {
+        const double z = rest[3 * v + 2];
+        CHECK(pose[3 * v] == rest[3 * v] + (z == 0.5 ? 0 : 0.25));
+        CHECK(pose[3 * v + 2] == (z == 0 ? -0.5 : z == 1 ? 1.5 : 0.5));
+    }
+    /* The image of vertex 0 is elsewhere now, about z = 1/2 as well as about z = 0.3. */
+    memcpy(changed, rest, sizeof rest);
+    changed[3 * 18] = -0.25;
+    const double plane = 0.5;
+    OK(espalier_pose_mirror(N, changed, changed, 2, &plane, NULL, pose, &without_image));
+    CHECK(without_image == 2);
+    CHECK(memcmp(pose, changed, sizeof changed) == 0);
 }
 
 /* Cages and lattice files are read back bit for bit, for a lattice and for a binding to it. */
@@ -306,6 +340,7 @@ int main(int count, char** arguments) {
     test_operations();
     test_options();
     test_bad_operations();
+    test_mirror();
     test_files(arguments[1]);
     return 0;
 }

@@ -173,6 +173,29 @@ class Pose(CliTest):
                 self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "--rotate", "z", 90, "-o",
                                                      "x.ovm", code=2))
 
+    def test_the_other_side_does_what_one_side_does(self):
+        top = ["--select", "box", -1, 1, 4, 1, 1, 4]
+        out = self.run_program("pose", "rest.ovm", *top, "--rotate", "z", 30, "--move", 0, 0.5, 1, "--mirror", "y",
+                               "-o", "both.ovm").stdout
+        self.assertEqual(out, "mirror: 3 of 3 selected vertices at y = 0\nboth.ovm: 6 of 45 vertices moved\n")
+        one = dict(zip(self.rest, self.pose(*top, "--rotate", "z", 30, "--move", 0, 0.5, 1)))
+        for (x, y, z), after in zip(self.rest, self.read_ovm_positions("both.ovm")):
+            expected = one[(x, 1, z)] if y else one[(x, y, z)]
+            self.assertEqual(after, (expected[0], -expected[1], expected[2]) if y < 0 else expected)
+        # Another plane: at z = 3.5, the layer at 4 is the image of the layer at 3, and the others have none.
+        out = self.run_program("pose", "rest.ovm", "--select", "half-space", 0, 0, 2, 0, 0, 1, "--move", 0, 0, 0.25,
+                               "--mirror", "z=3.5", "-o", "both.ovm").stdout
+        self.assertEqual(out, "mirror: 18 of 27 selected vertices at z = 3.5; 9 without a mirror image stay\n"
+                              "both.ovm: 27 of 45 vertices moved\n")
+        heights = {z: after[2] for (x, y, z), after in zip(self.rest, self.read_ovm_positions("both.ovm"))}
+        self.assertEqual(heights, {0: 0, 1: 1, 2: 2.25, 3: 2.75, 4: 4.25})
+        for words, message in [
+                (["w"], "--mirror: expected x, y or z, or a plane such as x=0.5, got w"),
+                (["x=here"], "--mirror: expected x, y or z, or a plane such as x=0.5, got x=here"),
+                (["x=9"], "--mirror: mirror: no position with a weight above 0 has a mirror image at x = 9")]:
+            with self.subTest(words):
+                self.assertIn(message, self.error_of("pose", "rest.ovm", "--mirror", *words, "-o", "x.ovm", code=2))
+
     def test_lengths_may_be_percentages_of_the_diagonal(self):
         # The box is 2 x 2 x 4, with the diagonal √24.
         half = 24 ** 0.5 / 2

@@ -70,6 +70,7 @@ GOOD = {
     "pose.scale": {**PLACE, "factors": (1, 2, 3)},
     "pose.twist": {**ALONG, "angle": 1.0},
     "pose.bend": {**ALONG, "angle": 1.0, "toward": (1, 0, 0)},
+    "pose.mirror": {"rest": POSITIONS, "positions": POSITIONS, "axis": "x", "weights": np.ones(27), "plane": 0.5},
     "pose.taper": {**ALONG, "factor": 0.5},
     "pose.select_box": {**FALLOFF, "corner": (0, 0, 0), "opposite": (1, 1, 1)},
     "pose.select_ball": {**FALLOFF, "center": (0, 0, 0), "radius": 1.0},

@@ -38,6 +38,18 @@ def test_operations():
     np.testing.assert_allclose(bent[TOP][:, 0], 8 / np.pi, atol=1e-14)
 
 
+def test_mirror():
+    right = (BOX[:, 0] == 1).astype(float)
+    moved = pose.move(BOX, (0.5, 1, 0), weights=right)
+    both = pose.mirror(BOX, moved, "x", weights=right)
+    np.testing.assert_array_equal(both - BOX, np.outer(BOX[:, 0], (0.5, 0, 0)) + np.outer(BOX[:, 0] != 0, (0, 1, 0)))
+    # The vertices at x = 1 lie in the plane then, and the others have no image.
+    with pytest.warns(UserWarning, match="mirror: 30 of 45 positions have no mirror image, and stay"):
+        np.testing.assert_array_equal(pose.mirror(BOX, BOX, "x", plane=1), BOX)
+    with pytest.raises(ValueError, match="axis: expected x, y or z, got 'w'"):
+        pose.mirror(BOX, BOX, "w")
+
+
 def test_selections_are_weights():
     np.testing.assert_array_equal(pose.select_end(BOX, "+z"), TOP)
     np.testing.assert_array_equal(pose.select_box(BOX, (-1, -1, 4), (1, 1, 4)), TOP)

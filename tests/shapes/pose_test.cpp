@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
+#include <espalier/shapes/solids.h>
 #include <espalier/shapes/transform.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -314,6 +318,88 @@ TEST(Pose, TheRangeMayBeginAtTheCentre) {
     const Options beyond{.center = Point3{0, 0, 3}, .startsAtCenter = true};
     EXPECT_REFUSED(Error, "no selected position lies beyond the centre along the axis",
                    bend(points, kZ, 1, kX, beyond));
+}
+
+/// Returns a box of 4 × 2 × 2 cells from −2 to 2 along x, and the weights of some vertices.
+struct SymmetricBox {
+    std::vector<Point3> rest =
+        box({.cells = {4, 2, 2}, .min = {-2, 0, 0}, .max = {2, 2, 2}}).positions;
+    std::vector<double> weights = std::vector<double>(rest.size());
+
+    std::size_t at(const Point3& place) const {
+        return std::ranges::find(rest, place) - rest.begin();
+    }
+};
+
+TEST(Pose, MirrorLetsTheOtherSideDoWhatOneSideDoes) {
+    SymmetricBox lattice;
+    lattice.weights[lattice.at({2, 0, 1})] = 1;
+    lattice.weights[lattice.at({0, 0, 1})] = 0.5;
+    auto moved = lattice.rest;
+    for (Point3& p : moved) p = sum(p, {0.25, 0.5, -1});
+    const Mirrored result = mirror(lattice.rest, moved, 0, lattice.weights);
+    EXPECT_EQ(result.plane, 0);
+    EXPECT_EQ(result.withImage, 2);
+    EXPECT_EQ(result.withoutImage, 0);
+    auto expected = moved;
+    expected[lattice.at({-2, 0, 1})] = {-2.25, 0.5, 0};
+    expected[lattice.at({0, 0, 1})] = {0, 0.5, 0};  // its own image
+    EXPECT_EQ(result.positions, expected);
+}
+
+TEST(Pose, TheLargerWeightLeadsAMirror) {
+    SymmetricBox lattice;
+    const std::size_t left = lattice.at({-2, 0, 0}), right = lattice.at({2, 0, 0});
+    auto moved = lattice.rest;
+    moved[left] = {-2, 7, 0};
+    moved[right] = {2, 9, 0};
+    const auto heights = [&](double leftWeight, double rightWeight) {
+        lattice.weights[left] = leftWeight;
+        lattice.weights[right] = rightWeight;
+        const auto result = mirror(lattice.rest, moved, 0, lattice.weights).positions;
+        return std::array{result[left][1], result[right][1]};
+    };
+    EXPECT_EQ(heights(1, 0.5), (std::array{7.0, 7.0}));
+    EXPECT_EQ(heights(0.5, 1), (std::array{9.0, 9.0}));
+    EXPECT_EQ(heights(1, 1), (std::array{9.0, 9.0})) << "the side of larger coordinates";
+    lattice.weights[lattice.at({-1, 0, 0})] = 1;
+    EXPECT_EQ(heights(1, 1), (std::array{7.0, 7.0})) << "the side with more weight";
+}
+
+TEST(Pose, MirrorFindsImagesAtRest) {
+    SymmetricBox lattice;
+    lattice.weights[lattice.at({1, 0, 0})] = lattice.weights[lattice.at({2, 0, 0})] = 1;
+    auto moved = lattice.rest;
+    for (Point3& p : moved) p[0] = p[0] * p[0];
+    // At x = 1.5, only 1 and 2 are images of each other; at 5, nothing is.
+    EXPECT_EQ(mirror(lattice.rest, moved, 0, lattice.weights, 1.5).withImage, 2);
+    EXPECT_MESSAGE(
+        "mirror: no position with a weight above 0 has a mirror image at x = 5; the lattice at "
+        "rest is not symmetric there",
+        mirror(lattice.rest, moved, 0, lattice.weights, 5));
+    lattice.rest[lattice.at({-2, 0, 0})][0] = -2.1;
+    const Mirrored result = mirror(lattice.rest, moved, 0, lattice.weights, 0);
+    EXPECT_EQ(result.withImage, 1);
+    EXPECT_EQ(result.withoutImage, 1);
+}
+
+TEST(Pose, MirrorTakesImagesNearby) {
+    SymmetricBox lattice;
+    // The diagonal of the box is about 4.9, so that 0.0049 is the bound.
+    lattice.rest[lattice.at({1, 0, 0})][0] = 1.0045;
+    EXPECT_EQ(mirror(lattice.rest, lattice.rest, 0).withoutImage, 0);
+    lattice.rest[lattice.at({1.0045, 0, 0})][0] = 1.0055;
+    EXPECT_EQ(mirror(lattice.rest, lattice.rest, 0).withoutImage, 2);
+}
+
+TEST(Pose, MirrorRefusesWrongNumbers) {
+    const SymmetricBox lattice;
+    const auto few = std::span(lattice.rest).first(3);
+    EXPECT_MESSAGE("rest has 3 positions, and there are 45", mirror(few, lattice.rest, 0));
+    EXPECT_MESSAGE("mirror: axis: expected 0 to 2, got 3", mirror(lattice.rest, lattice.rest, 3));
+    EXPECT_MESSAGE("mirror: plane: expected a finite number, got nan",
+                   mirror(lattice.rest, lattice.rest, 0, {}, kNan));
+    EXPECT_TRUE(mirror({}, {}, 0).positions.empty());
 }
 
 }  // namespace

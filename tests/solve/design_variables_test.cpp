@@ -142,11 +142,11 @@ TEST(DesignVariables, RefusesUnknownVerticesAndAxes) {
     const std::vector<Point3> apart = {{0, 0, 0}, {2, 0, 0}};
     EXPECT_REFUSED(Error, "vertex 0 has no mirror image within 0.1",
                    design.mirror(apart, 0, 0.5, 0.1));
-    EXPECT_REFUSED(Error, "vertex 0 has 2 mirror images", design.mirror(apart, 0, 1, 5));
+    EXPECT_REFUSED(Error, "vertex 0 has several mirror images within 5",
+                   design.mirror(apart, 0, 1, 5));
     EXPECT_EQ(design.matrix().columnCount(), 6) << "nothing is linked";
     const std::vector<Point3> nowhere = {{0, 0, 0}, {kNan, 0, 0}};
-    EXPECT_REFUSED(Error, "the position of vertex 1 is not finite",
-                   design.mirror(nowhere, 0, 0.5, 0.1));
+    EXPECT_REFUSED(Error, "positions[1] is (nan, 0, 0)", design.mirror(nowhere, 0, 0.5, 0.1));
     EXPECT_REFUSED(Error, "positions", design.mirror({}, 0, 1, 5));
     EXPECT_MESSAGE("at: expected a finite number, got nan", design.mirror(apart, 0, kNan, 5));
     for (const double tolerance : {-1.0, kInfinity})

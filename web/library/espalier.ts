@@ -24,6 +24,7 @@ export {
   type Falloff,
   type PoseOptions,
   type Section,
+  type Mirrored,
   type SelectedPart,
 } from "./poses.ts";
 export { Pull, type Pulled, type PullOptions } from "./pull.ts";

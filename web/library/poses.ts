@@ -45,6 +45,13 @@ export interface SelectedPart {
   section: Section;
 }
 
+/** The result of Poses.mirror(). */
+export interface Mirrored {
+  positions: Float64Array;
+  /** the number of vertices with a weight above 0 that have no mirror image, and so stay */
+  withoutImage: number;
+}
+
 /** Selections give one weight for each vertex; operations give new positions. Positions are three numbers for
  * each vertex; angles are in radians. */
 export class Poses {
@@ -219,6 +226,40 @@ export class Poses {
       scope.doubles(numbers("axis", axis, 3)),
       real("factor", factor),
     ]);
+  }
+
+  /** Gives the mirror image of each vertex the mirrored place of the vertex. Of a vertex and its image, the one with
+   * the larger weight leads; of equal weights, the one on the side where the weights have the larger sum.
+   * @param rest the lattice at rest, where images are found
+   * @param axis 0 to 2: the plane is across this axis
+   * @param options weights, default 1 everywhere; and the coordinate of the plane, default the middle of the lattice
+   */
+  mirror(
+    rest: Float64Array,
+    positions: Float64Array,
+    axis: number,
+    options: { weights?: ArrayLike<number>; plane?: number } = {},
+  ): Mirrored {
+    const count = countPoints("positions", positions);
+    numbers("rest", rest, 3 * count);
+    const { weights, plane } = object("options", options);
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(4);
+      const pose = scope.doubles(positions);
+      this.library.call(
+        "espalier_pose_mirror",
+        count,
+        pose,
+        scope.doubles(rest),
+        integer("axis", axis),
+        plane === undefined ? 0 : scope.doubles([real("plane", plane)]),
+        weights === undefined ? 0 : scope.doubles(numbers("weights", weights, count)),
+        pose,
+        out,
+      );
+      const withoutImage = this.library.core.HEAP32[out / 4];
+      return { positions: doublesAt(this.library.core, pose, 3 * count), withoutImage };
+    });
   }
 
   private selectPart(

@@ -244,6 +244,9 @@ test("selections and operations", () => {
   assert.ok(Math.abs(turned[4] - 1) < 1e-15);
   const half = poses.taper(rest, [0, 0, 1], 0.5, { center: [0, 0, 0], range: [0, 2] });
   assert.equal(half[3 * 9], 0.5);
+  const both = poses.mirror(rest, moved, 2, { weights: end });
+  assert.deepEqual([both.positions[2], both.positions[3 * 4 + 2], both.withoutImage], [-1, 1, 0]);
+  assert.equal(poses.mirror(rest, rest, 2, { plane: 0 }).withoutImage, 8);
   const bent = poses.bend(rest, [0, 0, 1], Math.PI / 2, [1, 0, 0]);
   assert.ok(bent[3 * 8] > 1);
 });
