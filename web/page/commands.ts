@@ -12,7 +12,7 @@ import { commandsOf, deformedName, fileName, fileWord } from "./program.ts";
 import type { BoundaryFace, Product } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import type { Timeline } from "./timeline.ts";
-import { centerOf, kAxes, middleOf, mirrored } from "./transforms.ts";
+import { centerOf, kAxes, middleOf } from "./transforms.ts";
 import type { Point } from "../library/espalier.ts";
 
 /** The parts of the page that commands work on. */
@@ -41,7 +41,17 @@ export interface Command {
   /** another key */
   also?: string;
   /** what must be there */
-  needs?: "model" | "lattice" | "selection" | "binding" | "pose" | "rest faces" | "undo" | "redo";
+  needs?:
+    | "model"
+    | "lattice"
+    | "selection"
+    | "binding"
+    | "pull"
+    | "pins"
+    | "pose"
+    | "rest faces"
+    | "undo"
+    | "redo";
   /** whether a button of a choice is chosen */
   isChosen?(): boolean;
   run(): void | Promise<void>;
@@ -79,10 +89,10 @@ export function commandsFor(page: Page): Record<string, Command> {
   const handles = (mode: Mode, key: string, title: string): Command => ({
     title,
     key,
-    isChosen: () => gizmo.mode === mode && gizmo.pulled === null,
+    isChosen: () => gizmo.mode === mode && !gizmo.isPulling,
     run() {
       gizmo.mode = mode;
-      gizmo.pulled = null;
+      gizmo.isPulling = false;
       gizmo.place();
       page.refresh();
     },
@@ -109,6 +119,27 @@ export function commandsFor(page: Page): Record<string, Command> {
         page.refresh();
       },
     }) satisfies Command;
+
+  /** Selects a part of the lattice, which turns about its joint from then on. */
+  const part = (kind: "limb" | "beyond", key: string, title: string): Command => ({
+    title,
+    key,
+    needs: "selection",
+    async run() {
+      const rest = editor.document.lattice!.positions;
+      const point = middleOf(rest, selection());
+      await editor.select(await editor.engine.run("part", kind, point, rest));
+      editor.pivot = "border";
+      page.refresh();
+    },
+  });
+
+  const grows = (key: string, title: string, by: number): Command => ({
+    title,
+    key,
+    needs: "selection",
+    run: async () => editor.select(await editor.engine.run("grow", selection(), by)),
+  });
 
   const steps = (title: string, key: string, by: number): Command => ({
     title,
@@ -211,13 +242,9 @@ export function commandsFor(page: Page): Record<string, Command> {
     kAxes.map((axis) => [
       `mirror ${axis}`,
       {
-        title: `Mirror across ${axis}`,
+        title: `Give the mirror images of the selected vertices across ${axis} their mirrored places`,
         needs: "selection",
-        run() {
-          const rest = editor.document.lattice!.positions;
-          const positions = mirrored(rest, editor.positions, selection(), axis);
-          return editor.setPositions(positions, null);
-        },
+        run: () => editor.transform({ kind: "mirror", axis }),
       } satisfies Command,
     ]),
   );
@@ -264,11 +291,32 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Pull a point of the model",
       key: "p",
       needs: "binding",
-      isChosen: () => gizmo.pulled !== null,
+      isChosen: () => gizmo.isPulling,
       run() {
-        gizmo.pulled = 0;
+        gizmo.isPulling = true;
         gizmo.place();
-        editor.onMessage("Click a point of the model, and drag it by the handles.", false);
+        editor.onMessage(
+          "Click a point of the model, and drag it by the handles; with Shift or Add, more points at once. Pin keeps points where they are.",
+          false,
+        );
+        page.refresh();
+      },
+    },
+    pin: {
+      title: "Pin the pulled points: later pulls leave them where they are, until you click them again",
+      key: "k",
+      needs: "pull",
+      run() {
+        gizmo.pins = selecting.sorted([...gizmo.pins, ...gizmo.pulls]);
+        gizmo.pulls = [];
+        page.refresh();
+      },
+    },
+    "free pins": {
+      title: "Free all pins",
+      needs: "pins",
+      run() {
+        gizmo.pins = [];
         page.refresh();
       },
     },
@@ -322,6 +370,10 @@ export function commandsFor(page: Page): Record<string, Command> {
       needs: "selection",
       run: () => editor.select(selecting.rows(shape(), selection())),
     },
+    limb: part("limb", "Shift+L", "Select the arm, leg or ear at the selection"),
+    beyond: part("beyond", "Shift+B", "Select what lies beyond the face at the selection"),
+    grow: grows("]", "Select the neighbours, too", 1),
+    shrink: grows("[", "Take the outer vertices from the selection", -1),
     ...planes,
     "next vertex": steps("Select the next vertex", "n", 1),
     "previous vertex": steps("Select the vertex before", "Shift+N", -1),

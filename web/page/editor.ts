@@ -17,6 +17,7 @@ import {
   type Pose,
 } from "./document.ts";
 import type {
+  Axis,
   BindResult,
   LatticeEdit,
   LatticeFile,
@@ -71,6 +72,8 @@ export class Editor {
   radius = 0;
   /** What rotations, scales and bends are about: the middle of the selection, its border, or a point. */
   pivot: "middle" | "border" | Point = "middle";
+  /** The axis across which the other side does what one side does; null if it does not. */
+  mirrorAxis: Axis | null = null;
 
   private history = new History(kEmptyDocument);
   private open: Open = kNothing;
@@ -383,16 +386,36 @@ export class Editor {
     return pivot;
   }
 
+  /** Operations, and the one that lets the other side do the same, if it shall. */
+  withMirror(transforms: Transform[]): Transform[] {
+    const axis = this.mirrorAxis;
+    return axis === null ? transforms : [...transforms, { kind: "mirror", axis }];
+  }
+
+  /** The positions after operations. */
+  async transformed(
+    positions: Float64Array,
+    weights: Float64Array,
+    transforms: readonly Transform[],
+  ): Promise<Float64Array> {
+    const result = await this.engine.run("transform", positions, weights, transforms);
+    if (result.withoutImage > 0)
+      this.onMessage(`No mirror image for ${result.withoutImage} of the vertices: they stay.`, false);
+    return result.positions;
+  }
+
   /** Moves the selected vertices by operations, one after the other, about the pivot. */
   async transform(...given: Transform[]): Promise<void> {
     const weights = this.weights();
     if (weights.selection.length === 0) throw new Error("select vertices first");
     const { positions } = this;
     const center = this.pivot === "middle" ? undefined : this.pivotPoint;
-    const transforms = given.map((each) =>
-      each.kind === "move" || each.center ? each : { ...each, center },
+    const transforms = this.withMirror(
+      given.map((each) =>
+        each.kind === "move" || each.kind === "mirror" || each.center ? each : { ...each, center },
+      ),
     );
-    const moved = await this.engine.run("transform", positions, weights.values, transforms);
+    const moved = await this.transformed(positions, weights.values, transforms);
     await this.setPositions(moved, optionsOf(weights, transforms));
   }
 

@@ -7,22 +7,37 @@ import { TransformControls } from "three/addons/controls/TransformControls.js";
 import type { Point } from "../library/espalier.ts";
 import type { Editor } from "./editor.ts";
 import type { Axis, Transform } from "./protocol.ts";
-import { kAxes, optionsOf, type Weights } from "./transforms.ts";
+import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
 
 export type Mode = "translate" | "rotate" | "scale";
 
+interface Start {
+  readonly positions: Float64Array;
+  readonly weights: Weights;
+  readonly mode: Mode;
+  readonly matrix: THREE.Matrix4;
+}
+
 export class Gizmo {
   mode: Mode = "translate";
-  /** the point of the model that is pulled instead of vertices */
-  pulled: number | null = null;
+  /** Whether points of the model are pulled instead of vertices. */
+  isPulling = false;
+  /** the points of the model that are pulled together */
+  pulls: readonly number[] = [];
+  /** the points of the model that pulls leave where they are */
+  pins: readonly number[] = [];
 
   /** the only axis of the handles; null for all three */
   axis: Axis | null = null;
 
   private readonly controls: TransformControls;
   private readonly handle = new THREE.Object3D();
-  private start: { positions: Float64Array; weights: Weights; matrix: THREE.Matrix4 } | null = null;
+  /** the drag: what it began with */
+  private start: Start | null = null;
   private latest: Float64Array | null = null;
+  /** the frames of a drag that are being shown */
+  private following: Promise<void> | null = null;
+  private isStale = false;
 
   constructor(private readonly editor: Editor) {
     const { view } = editor;
@@ -63,24 +78,27 @@ export class Gizmo {
 
   /** Puts the handles where the selection is, or hides them. */
   place(): void {
-    if (this.controls.dragging) return;
+    if (this.start) return;
     const { document, view, binding } = this.editor;
-    if (!binding || (this.pulled ?? 0) >= view.points.length / 3) this.pulled = null;
+    const isThere = (point: number) => point < view.points.length / 3;
+    if (!binding) this.isPulling = false;
+    if (!binding || ![...this.pulls, ...this.pins].every(isThere)) this.pulls = this.pins = [];
+    if (this.isPulling) view.setMarks(this.pulls, this.pins);
+    else view.setMarks([], []);
     const hasSelection = document.lattice !== null && document.selection.length > 0;
-    if (!hasSelection && this.pulled === null) {
+    if (this.isPulling ? this.pulls.length === 0 : !hasSelection) {
       this.controls.detach();
       view.ask();
       return;
     }
-    const center =
-      this.pulled !== null
-        ? [...view.points.subarray(3 * this.pulled, 3 * this.pulled + 3)]
-        : this.editor.pivotPoint;
+    const center = this.isPulling
+      ? centerOf(Float64Array.from(this.pulls.flatMap((point) => placeOf(view.points, point))))
+      : this.editor.pivotPoint;
     this.handle.position.fromArray(center);
     this.handle.rotation.set(0, 0, 0);
     this.handle.scale.set(1, 1, 1);
     this.handle.updateMatrixWorld();
-    this.controls.setMode(this.pulled !== null ? "translate" : this.mode);
+    this.controls.setMode(this.isPulling ? "translate" : this.mode);
     this.controls.camera = view.camera;
     for (const axis of kAxes)
       this.controls[`show${axis.toUpperCase() as "X" | "Y" | "Z"}`] = [null, axis].includes(this.axis);
@@ -92,29 +110,32 @@ export class Gizmo {
     this.handle.updateMatrix();
     const { positions } = this.editor;
     const weights = this.editor.weights();
-    this.start = { positions, weights, matrix: this.handle.matrix.clone() };
+    this.start = { positions, weights, mode: this.mode, matrix: this.handle.matrix.clone() };
     this.latest = null;
   }
 
+  /** Follows the handles: one frame after the other, always to where they are now. */
   private drag(): void {
-    const { start } = this;
-    if (!start) return;
+    this.isStale = true;
+    if (this.start) this.following ??= this.follow().finally(() => (this.following = null));
+  }
+
+  private async follow(): Promise<void> {
+    while (this.isStale && this.start) {
+      this.isStale = false;
+      await this.editor.attempt(async () => {
+        this.latest = await this.moved();
+        if (this.controls.dragging) await this.editor.preview(this.latest);
+      });
+    }
+  }
+
+  /** The positions that follow from where the handles are now. */
+  private moved(): Promise<Float64Array> {
     this.handle.updateMatrix();
-    if (this.pulled !== null) {
-      void this.editor.attempt(() => this.pull());
-      return;
-    }
-    if (this.mode !== "translate") {
-      void this.editor.attempt(() => this.transform());
-      return;
-    }
-    const offset = this.offset();
-    const positions = start.positions.slice();
-    start.weights.values.forEach((weight, v) => {
-      if (weight > 0) offset.forEach((x, c) => (positions[3 * v + c] += weight * x));
-    });
-    this.latest = positions;
-    void this.editor.preview(positions);
+    if (this.isPulling) return this.pulled();
+    const { positions, weights } = this.start!;
+    return this.editor.transformed(positions, weights.values, this.transforms());
   }
 
   private offset(): Point {
@@ -122,20 +143,37 @@ export class Gizmo {
     return this.handle.position.clone().sub(from).toArray();
   }
 
-  private async pull(): Promise<void> {
-    const { start } = this;
+  private async pulled(): Promise<Float64Array> {
+    const { editor, pins } = this;
+    const { positions } = this.start!;
     const by = this.offset();
-    const moved = await this.editor.engine.run("pull", [{ point: this.pulled!, by }], start!.positions);
-    if (this.start !== start) return;
-    this.latest = start!.positions.map((x, i) => x + moved[i]);
-    if (this.controls.dragging) void this.editor.preview(this.latest);
+    const pulls = this.pulls.map((point) => ({ point, by }));
+    const moved = await editor.engine.run("pull", pulls, [...pins], positions);
+    if (editor.mirrorAxis === null) return moved;
+    const weights = this.weightsOfPulledSide(kAxes.indexOf(editor.mirrorAxis));
+    return editor.transformed(moved, weights, editor.withMirror([]));
+  }
+
+  /** Weights of 1 for the vertices that are nearer to the pulled points than their mirror images are. */
+  private weightsOfPulledSide(axis: number): Float64Array {
+    const { document, model } = this.editor;
+    const rest = document.lattice!.positions;
+    const middle = centerOf(rest)[axis];
+    const pulled = centerOf(Float64Array.from(this.pulls.flatMap((p) => placeOf(model!.points, p))));
+    const side = Math.sign(pulled[axis] - middle) || 1;
+    const isOnSide = (v: number) => side * (rest[3 * v + axis] - middle) >= -1e-3 * this.editor.view.size;
+    return Float64Array.from({ length: rest.length / 3 }, (_, v) => (isOnSide(v) ? 1 : 0));
   }
 
   /** The operations of the program that do what the handles have done. */
   private transforms(): Transform[] {
+    return this.editor.withMirror(this.ownTransforms());
+  }
+
+  private ownTransforms(): Transform[] {
     const { handle } = this;
     const { scale } = handle;
-    switch (this.mode) {
+    switch (this.start!.mode) {
       case "translate":
         return [{ kind: "move", offset: this.offset() }];
       case "scale":
@@ -154,31 +192,27 @@ export class Gizmo {
     }
   }
 
-  private async transform(): Promise<void> {
-    const { start } = this;
-    const { positions, weights } = start!;
-    const { engine } = this.editor;
-    const moved = await engine.run("transform", positions, weights.values, this.transforms());
-    if (this.start !== start) return;
-    this.latest = moved;
-    if (this.controls.dragging) void this.editor.preview(moved);
-  }
-
   private async end(): Promise<void> {
     const { start } = this;
     if (!start) return;
+    this.handle.updateMatrix();
     if (this.handle.matrix.equals(start.matrix)) {
       // A click without a movement.
       this.start = null;
       return this.place();
     }
     this.controls.enabled = false; // No drag begins before this one has ended.
-    const step = this.pulled === null ? optionsOf(start.weights, this.transforms()) : null;
-    if (this.pulled !== null) await this.editor.attempt(() => this.pull());
-    else if (this.mode !== "translate") await this.editor.attempt(() => this.transform());
+    const step = this.isPulling ? null : optionsOf(start.weights, this.transforms());
+    this.isStale = true;
+    await (this.following ?? this.follow());
     this.start = null;
-    if (this.latest) await this.editor.attempt(() => this.editor.setPositions(this.latest!, step));
+    const { latest } = this;
+    await this.editor.attempt(() =>
+      latest ? this.editor.setPositions(latest, step) : this.editor.endPreview(),
+    );
     this.controls.enabled = true;
     this.place();
   }
 }
+
+const placeOf = (points: ArrayLike<number>, point: number) => [0, 1, 2].map((c) => points[3 * point + c]);

@@ -106,6 +106,10 @@ function canRun({ needs }: Command): boolean {
       return shape !== null;
     case "binding":
       return binding !== null;
+    case "pull":
+      return gizmo.pulls.length > 0;
+    case "pins":
+      return gizmo.pins.length > 0;
     case "pose":
       return Number.isInteger(document.time) && document.time > 0;
     case "selection":
@@ -272,6 +276,10 @@ radius.addEventListener("input", () => {
 find<HTMLSelectElement>('[data-choice="pivot"]').addEventListener("change", ({ target }) => {
   editor.pivot = (target as HTMLSelectElement).value as "middle" | "border";
   refresh();
+});
+
+find<HTMLSelectElement>('[data-choice="mirror"]').addEventListener("change", ({ target }) => {
+  editor.mirrorAxis = ((target as HTMLSelectElement).value || null) as Axis | null;
 });
 
 const examples = find<HTMLSelectElement>('[data-choice="example"]');

@@ -91,10 +91,13 @@ export class Pointer {
 
   private async click(event: PointerEvent, isOnHandle: boolean): Promise<void> {
     const { editor, gizmo } = this;
-    if (gizmo.pulled !== null) {
+    if (gizmo.isPulling) {
       const point = editor.view.pointAt(event.offsetX, event.offsetY);
-      if (point !== null) gizmo.pulled = point;
-      gizmo.place();
+      if (point === null) return;
+      gizmo.pins = gizmo.pins.filter((pin) => pin !== point);
+      const adds = event.shiftKey || this.adds;
+      gizmo.pulls = adds ? toggled(gizmo.pulls, [point]) : [point];
+      editor.onChange();
       return;
     }
     if (!editor.shape) return;

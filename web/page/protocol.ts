@@ -126,9 +126,16 @@ export type Axis = "x" | "y" | "z";
 /** An operation of `espalier pose` on the vertices. */
 export type Transform =
   | { kind: "move"; offset: Point }
+  | { kind: "mirror"; axis: Axis }
   | { kind: "scale"; factors: Point; center?: Point }
   | { kind: "rotate" | "twist" | "bend"; axis: Axis; degrees: number; center?: Point }
   | { kind: "taper"; axis: Axis; factor: number; center?: Point };
+
+export interface Transformed {
+  positions: Float64Array;
+  /** the number of vertices that have no mirror image, and so stay */
+  withoutImage: number;
+}
 
 /** A file to take home. */
 export type Product =
@@ -156,17 +163,22 @@ export interface Jobs {
   foldedCells(positions: Float64Array): number[];
   /** Reads a pose of the open lattice. */
   readPose(file: NamedFile): Float64Array;
-  /** The displacements of the vertices of the lattice that pull points of the model, while the cells stay as rigid as
-   * they can. Calls with the same points and positions are the frames of one drag.
+  /** The positions of the vertices of the lattice that pull points of the model, while the cells stay as rigid as
+   * they can. Calls with the same points, pins and positions are the frames of one drag.
+   * @param pins points of the model that stay
    * @param positions of the vertices before the drag
    */
-  pull(pulls: Pull[], positions: Float64Array): Float64Array;
+  pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Array;
   /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
   transform(
     positions: Float64Array,
     weights: Float64Array,
     transforms: readonly Transform[],
-  ): Float64Array;
+  ): Transformed;
+  /** The vertices of a part of the lattice: the limb at a point, or what lies beyond the face nearest to the point. */
+  part(kind: "limb" | "beyond", point: Point, positions: Float64Array): number[];
+  /** The selected vertices, and those that so many edges join to them; below 0 without the outer ones. */
+  grow(selection: readonly number[], steps: number): number[];
   write(product: Product): Uint8Array;
   /** The size of the memory of the module, in bytes. */
   memory(): number;

@@ -54,7 +54,10 @@ function interval(positions: Float64Array, weights: Float64Array, axis: number):
 }
 
 /** The middle of the box around the vertices with weights above 0: the centre of all operations. */
-export function centerOf(positions: Float64Array, weights: Float64Array): Point {
+export function centerOf(
+  positions: Float64Array,
+  weights = new Float64Array(positions.length / 3).fill(1),
+): Point {
   return [0, 1, 2].map((axis) => {
     const [low, high] = interval(positions, weights, axis);
     return low + 0.5 * (high - low);
@@ -71,6 +74,7 @@ export function optionsOf(weights: Weights, transforms: readonly Transform[]): s
 
 function operation(transform: Transform): string {
   if (transform.kind === "move") return `--move ${transform.offset.join(" ")}`;
+  if (transform.kind === "mirror") return `--mirror ${transform.axis}`;
   const about = transform.center ? `--center ${transform.center.join(" ")} ` : "";
   switch (transform.kind) {
     case "scale":
@@ -102,43 +106,4 @@ export function middleOf(positions: Float64Array, selection: readonly number[]):
   const weights = new Float64Array(positions.length / 3);
   for (const v of selection) weights[v] = 1;
   return centerOf(positions, weights);
-}
-
-/** Gives selected vertices the mirror images of the vertices on the other side of the middle plane of
- * the rest lattice, across an axis. */
-export function mirrored(
-  rest: Float64Array,
-  positions: Float64Array,
-  selection: readonly number[],
-  axis: Axis,
-): Float64Array {
-  const along = kAxes.indexOf(axis);
-  const count = rest.length / 3;
-  const all = new Float64Array(count).fill(1);
-  const [low, high] = interval(rest, all, along);
-  const extents = [0, 1, 2].map((c) => interval(rest, all, c));
-  const size = Math.hypot(...extents.map(([from, to]) => to - from));
-  const result = positions.slice();
-  const missing: number[] = [];
-  for (const v of selection) {
-    const image = [...rest.subarray(3 * v, 3 * v + 3)];
-    image[along] = low + high - image[along];
-    const partner = vertexAt(rest, image, 1e-3 * size);
-    if (partner < 0) missing.push(v);
-    else {
-      result.set(positions.subarray(3 * v, 3 * v + 3), 3 * partner);
-      result[3 * partner + along] = low + high - positions[3 * v + along];
-    }
-  }
-  if (missing.length === selection.length)
-    throw new Error(
-      `the lattice at rest is not symmetric across ${axis}: no selected vertex has a partner on the other side`,
-    );
-  return result;
-}
-
-function vertexAt(positions: Float64Array, place: number[], tolerance: number): number {
-  for (let v = 0; v < positions.length / 3; ++v)
-    if (Math.hypot(...[0, 1, 2].map((c) => positions[3 * v + c] - place[c])) <= tolerance) return v;
-  return -1;
 }

@@ -60,6 +60,44 @@ function pointMaterial(depthTest: boolean): THREE.ShaderMaterial {
   });
 }
 
+/** Points of the model that are drawn as dots in front of everything. */
+class Marks {
+  readonly object = new THREE.Points(new THREE.BufferGeometry(), pointMaterial(false));
+  private points: ArrayLike<number> = [];
+
+  constructor(private readonly size: number) {
+    this.object.frustumCulled = false;
+    this.object.renderOrder = 6;
+  }
+
+  get count(): number {
+    return this.points.length;
+  }
+
+  set(points: ArrayLike<number>, from: Float32Array): void {
+    this.points = points;
+    this.object.geometry.dispose();
+    this.object.geometry = new THREE.BufferGeometry();
+    attribute(this.object.geometry, "size", new Float32Array(points.length).fill(this.size), 1);
+    this.place(from);
+  }
+
+  /** @param rim around each dot */
+  colour(colour: THREE.Color, rim: THREE.Color): void {
+    const colours = new Float32Array(3 * this.count);
+    for (let i = 0; i < this.count; ++i) colour.toArray(colours, 3 * i);
+    attribute(this.object.geometry, "color", colours, 3);
+    this.object.material.uniforms.rim.value = rim;
+  }
+
+  place(from: Float32Array): void {
+    const positions = new Float32Array(3 * this.count);
+    for (let i = 0; i < this.count; ++i)
+      positions.set(from.subarray(3 * this.points[i], 3 * this.points[i] + 3), 3 * i);
+    setPositions(this.object.geometry, positions);
+  }
+}
+
 function attribute(
   geometry: THREE.BufferGeometry,
   name: string,
@@ -134,8 +172,8 @@ export class View {
   private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
   private readonly cloud: THREE.Points;
   private triangles: Uint32Array = new Uint32Array(0);
-  private readonly outside: THREE.Points<THREE.BufferGeometry, THREE.ShaderMaterial>;
-  private outsidePoints: Uint32Array = new Uint32Array(0);
+  /** dots on the points outside the lattice, on pulled and on pinned points */
+  private readonly marks = { outside: new Marks(5), pulls: new Marks(13), pins: new Marks(11) };
 
   private shape: LatticeShape | null = null;
   private pose: Float64Array = new Float64Array(0);
@@ -173,7 +211,6 @@ export class View {
       this.model.geometry,
       new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }),
     );
-    this.outside = new THREE.Points(new THREE.BufferGeometry(), pointMaterial(false));
     this.faces = new THREE.Mesh(
       new THREE.BufferGeometry(),
       new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }),
@@ -200,13 +237,13 @@ export class View {
         side: THREE.DoubleSide,
       }),
     );
-    for (const object of [this.model, this.cloud, this.outside, this.cells, this.foldedFaces])
+    for (const object of [this.model, this.cloud, this.cells, this.foldedFaces])
       object.frustumCulled = false;
     this.faces.visible = false;
     this.cells.renderOrder = 2;
     this.foldedFaces.renderOrder = 3;
-    this.outside.renderOrder = 6;
-    this.scene.add(this.model, this.cloud, this.outside, this.faces, this.cells, this.foldedFaces);
+    this.scene.add(this.model, this.cloud, this.faces, this.cells, this.foldedFaces);
+    for (const { object } of Object.values(this.marks)) this.scene.add(object);
 
     new ResizeObserver(() => this.resize(container)).observe(container);
     this.resize(container);
@@ -263,8 +300,7 @@ export class View {
     (this.cloud.material as THREE.PointsMaterial).color = this.colours.model;
     this.foldedFaces.material.color = this.colours.bad;
     for (const points of this.corners) points.material.uniforms.rim.value = this.colours.panel;
-    this.outside.material.uniforms.rim.value = this.colours.warn;
-    this.colourOutside();
+    this.colourMarks();
     this.colourLattice();
     this.rebuildCells();
     this.ask();
@@ -288,7 +324,7 @@ export class View {
     this.model.geometry.boundingSphere = null;
     this.model.geometry.boundingBox = null;
     this.around = null;
-    this.placeOutside();
+    for (const marks of Object.values(this.marks)) marks.place(points);
     this.ask();
   }
 
@@ -299,29 +335,24 @@ export class View {
   }
 
   setOutside(points: Uint32Array): void {
-    this.outsidePoints = points;
-    this.outside.geometry.dispose();
-    this.outside.geometry = new THREE.BufferGeometry();
-    attribute(this.outside.geometry, "size", new Float32Array(points.length).fill(5), 1);
-    this.colourOutside();
-    this.placeOutside();
+    this.marks.outside.set(points, this.points);
+    this.colourMarks();
     this.ask();
   }
 
-  private colourOutside(): void {
-    const count = this.outsidePoints.length;
-    const colours = new Float32Array(3 * count);
-    for (let i = 0; i < count; ++i) this.colours.warn.toArray(colours, 3 * i);
-    attribute(this.outside.geometry, "color", colours, 3);
+  /** Marks points of the model that are pulled, and points that are pinned. */
+  setMarks(pulls: readonly number[], pins: readonly number[]): void {
+    this.marks.pulls.set(pulls, this.points);
+    this.marks.pins.set(pins, this.points);
+    this.colourMarks();
+    this.ask();
   }
 
-  private placeOutside(): void {
-    const from = this.points;
-    const positions = new Float32Array(3 * this.outsidePoints.length);
-    this.outsidePoints.forEach((point, i) =>
-      positions.set(from.subarray(3 * point, 3 * point + 3), 3 * i),
-    );
-    setPositions(this.outside.geometry, positions);
+  private colourMarks(): void {
+    const { warn, accent, sharp, panel } = this.colours;
+    this.marks.outside.colour(warn, warn);
+    this.marks.pulls.colour(accent, panel);
+    this.marks.pins.colour(sharp, panel);
   }
 
   // ---- Lattice ---------------------------------------------------------------------------------------
@@ -374,7 +405,6 @@ export class View {
       this.corners.push(points);
       this.scene.add(line, points);
     }
-    this.outside.material.uniforms.scale.value = this.renderer.getPixelRatio();
     const triangles = shape.boundary.flatMap(({ vertices }) =>
       vertices.slice(2).flatMap((v, i) => [vertices[0], vertices[i + 1], v]),
     );
@@ -655,7 +685,10 @@ export class View {
     const hasFaces = this.triangles.length > 0;
     this.model.visible = shown.model && hasFaces;
     this.cloud.visible = shown.model && !hasFaces && this.points.length > 0;
-    this.outside.visible = shown.model && this.outsidePoints.length > 0;
+    for (const marks of Object.values(this.marks)) {
+      marks.object.visible = shown.model && marks.count > 0;
+      marks.object.material.uniforms.scale.value = this.renderer.getPixelRatio();
+    }
     for (const object of [...this.lines, ...this.corners]) object.visible = shown.lattice;
     this.cells.visible = shown.cells || shown.cut !== "";
     this.cells.material.opacity = shown.cut ? 0.92 : 0.3;

@@ -34,8 +34,10 @@ import type {
   Rules,
   Start,
   Transform,
+  Transformed,
 } from "./protocol.ts";
 import { kShapes } from "./shapes.ts";
+import { kAxes } from "./transforms.ts";
 
 let library: Espalier;
 
@@ -296,28 +298,33 @@ function checkOfPoses() {
   return validity;
 }
 
-/** The displacements of vertices that pull points, so that limbs bend: as `espalier fit --pull`. Each frame of a drag
- * starts from the frame before. */
-function pull(pulls: Pull[], positions: Float64Array): Float64Array {
-  const key = [...pulls.map((each) => each.point), ...positions].join();
+/** The positions of vertices that pull points, so that limbs bend: as `espalier fit --pull`. Each frame of a drag starts
+ * from the frame before. */
+function pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Array {
+  const points = [...pulls.map((each) => each.point), ...pins];
+  const key = [pulls.length, ...points, ...positions].join();
   if (pulling?.key !== key) {
     const { table } = openOr(bound, "binding");
     const { file } = openLatticeNow();
     closePull();
-    const points = pulls.map((each) => each.point);
-    pulling = { key, pull: table.pull(file, positions, points) };
+    const rows = pins.map((_, i) => pulls.length + i);
+    pulling = { key, pull: table.pull(file, positions, points, { pins: rows }) };
   }
-  const misses = pulls.flatMap((each) => each.by);
+  const misses = points.flatMap((_, i) => pulls[i]?.by ?? [0, 0, 0]);
   const { displacements } = pulling.pull.solve(misses, pulling.last);
   pulling.last = displacements;
-  return displacements.slice(); // The result goes over to the page.
+  return positions.map((x, i) => x + displacements[i]);
 }
 
 const kDirections: Record<Axis, Point> = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 const kNext: Record<Axis, Axis> = { x: "y", y: "z", z: "x" };
 const radians = (degrees: number) => (degrees * Math.PI) / 180;
 
-function transformed(positions: Float64Array, weights: Float64Array, to: Transform): Float64Array {
+function moved(
+  positions: Float64Array,
+  weights: Float64Array,
+  to: Exclude<Transform, { kind: "mirror" }>,
+): Float64Array {
   const { poses } = library;
   const options = { weights, center: to.kind === "move" ? undefined : to.center };
   switch (to.kind) {
@@ -337,6 +344,16 @@ function transformed(positions: Float64Array, weights: Float64Array, to: Transfo
       return poses.taper(positions, kDirections[to.axis], to.factor, options);
   }
 }
+
+function transformed(from: Transformed, weights: Float64Array, to: Transform): Transformed {
+  const { positions } = from;
+  if (to.kind !== "mirror") return { ...from, positions: moved(positions, weights, to) };
+  const { rest } = openLatticeNow();
+  return library.poses.mirror(rest, positions, kAxes.indexOf(to.axis), { weights });
+}
+
+/** The vertices with a weight above 0. */
+const chosen = (weights: Float64Array) => [...weights.keys()].filter((v) => weights[v] > 0);
 
 const jobs: Jobs = {
   openModel(file) {
@@ -440,7 +457,22 @@ const jobs: Jobs = {
   readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
   pull,
   transform: (positions, weights, transforms) =>
-    transforms.reduce((from, to) => transformed(from, weights, to), positions),
+    transforms.reduce((from, to) => transformed(from, weights, to), { positions, withoutImage: 0 }),
+  part(kind, point, positions) {
+    const { file } = openLatticeNow();
+    const { poses } = library;
+    return chosen(
+      kind === "limb"
+        ? poses.selectLimb(file, positions, point).weights
+        : poses.selectBeyond(file, positions, poses.nearestInnerFace(file, positions, point)).weights,
+    );
+  },
+  grow(selection, steps) {
+    const { file, rest } = openLatticeNow();
+    const weights = new Float64Array(rest.length / 3);
+    for (const v of selection) weights[v] = 1;
+    return chosen(library.poses.growSelection(file, weights, steps));
+  },
 
   write(product) {
     switch (product.kind) {

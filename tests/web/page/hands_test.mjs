@@ -10,13 +10,17 @@ import {
   clickVertex,
   commandsShown,
   documentNow,
+  download,
   dragHandles,
   file,
   folder,
+  handlesLetGo,
   makeBox,
   openExample,
   plyText,
+  positionsOf,
   runLine,
+  shownPoints,
   until,
   withPage,
 } from "./person.mjs";
@@ -284,17 +288,202 @@ describe("hands in the page", () => {
         let moved;
         for (let frame = 1; frame <= frames; ++frame) {
           const by = [0, (0.5 * frame) / frames, 0];
-          moved = await editor.engine.run("pull", [{ point, by }], positions);
+          moved = await editor.engine.run("pull", [{ point, by }], [], positions);
         }
         const milliseconds = (performance.now() - start) / frames;
         const before = points[3 * point + 1];
-        await editor.setPositions(positions.map((x, i) => x + moved[i]), null); // prettier-ignore
+        await editor.setPositions(moved, null);
         const gap = editor.view.points[3 * point + 1] - before - 0.5;
         return { gap, folded: editor.folded.length, milliseconds };
       });
       console.log(`a frame of a pull takes ${milliseconds.toFixed(1)} ms`);
       assert.equal(folded, 0);
       assert.ok(Math.abs(gap) < 1e-5, String(gap)); // floats on the screen
+    }, kLargeWindow));
+
+  test("several points are pulled at once, and pinned points stay", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await press(page, "Numpad1");
+      await press(page, "p");
+      // Seen from the front, the dog's nose is at the right, its tail at the left; both are above the feet.
+      const find = (axis, sign) =>
+        page.evaluate(
+          ([axis, sign]) => {
+            const { view } = globalThis.espalier.editor;
+            let best = 0;
+            for (let i = 0; i < view.points.length / 3; ++i)
+              if (sign * (view.points[3 * i + axis] - view.points[3 * best + axis]) > 0) best = i;
+            // A little inside of the outline, so that the pointer meets the model.
+            const place = view.camera.position.clone().fromArray(view.points, 3 * best);
+            place.setComponent(axis, place.getComponent(axis) - 0.03 * sign);
+            place.project(view.camera);
+            const { clientWidth: width, clientHeight: height } = view.canvas;
+            return { x: ((place.x + 1) / 2) * width, y: ((1 - place.y) / 2) * height };
+          },
+          [axis, sign],
+        );
+      const canvas = page.locator("#view canvas");
+      const click = async (place, options) => {
+        await canvas.click({ position: place, ...options });
+        await settled(page);
+      };
+      const marked = () =>
+        page.evaluate(() => ({ ...globalThis.espalier.gizmo, view: 0, editor: 0, handle: 0, controls: 0 }));
+      const nose = await find(0, 1);
+      const tail = await find(0, -1);
+      await click(nose);
+      await press(page, "k");
+      const [pin] = (await marked()).pins;
+      assert.ok(pin >= 0);
+      await click(tail);
+      const foot = await find(1, -1);
+      await click(foot, { modifiers: ["Shift"] });
+      const { pulls } = await marked();
+      assert.equal(pulls.length, 2);
+      const before = await shownPoints(page);
+      const by = await page.evaluate(() => {
+        const { gizmo } = globalThis.espalier;
+        gizmo.controls.dragging = true;
+        gizmo.controls.dispatchEvent({ type: "dragging-changed", value: true });
+        gizmo.handle.position.y += 0.1;
+        gizmo.handle.position.x -= 0.2;
+        gizmo.controls.dispatchEvent({ type: "objectChange" });
+        gizmo.controls.dragging = false;
+        gizmo.controls.dispatchEvent({ type: "dragging-changed", value: false });
+        return [-0.2, 0.1, 0];
+      });
+      await handlesLetGo(page);
+      const after = await shownPoints(page);
+      const moved = (point) => [0, 1, 2].map((c) => after[3 * point + c] - before[3 * point + c]);
+      // Floats of about 2, and pulls that reach their targets up to 1e-8 of the way.
+      for (const point of pulls)
+        moved(point).forEach((x, c) => assert.ok(Math.abs(x - by[c]) < 1e-5, moved(point).join()));
+      for (const x of moved(pin)) assert.ok(Math.abs(x) < 1e-5, moved(pin).join());
+      // A click frees a pin; so does the button, all of them.
+      await click(await find(0, 1));
+      assert.deepEqual((await marked()).pins, []);
+      await press(page, "k");
+      await clickCommand(page, "free pins");
+      assert.deepEqual((await marked()).pins, []);
+    }, kLargeWindow));
+
+  test("live mirroring lets the other side do what one side does, as in the program", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await page.selectOption('[data-choice="mirror"]', "x");
+      await clickVertex(page, 63);
+      await dragHandles(page, 40, -30);
+      await press(page, "r");
+      await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        await editor.select([3, 7]);
+        await editor.transform({ kind: "rotate", axis: "z", degrees: 20 });
+      });
+      await settled(page);
+      const all = await positions(page);
+      const reflected = (v) => at(all, v).map((x, c) => (c === 0 ? -x : x));
+      assert.notDeepEqual(at(all, 63), [1, 1, 1]);
+      for (const [v, w] of [[63, 60], [3, 0], [7, 4]]) // prettier-ignore
+        assert.deepEqual(at(all, w), reflected(v));
+      const taken = await download(page, "save pose", "mirrored.vtu");
+      const lines = (await commandsShown(page)).replaceAll("\\\n", " ").split("\n");
+      assert.equal(lines.filter((line) => line.match(/--mirror x/g)?.length === 2).length, 1);
+      for (const line of lines) if (/^espalier (shape|pose)/.test(line)) runLine(line);
+      positionsOf(file("pose-1.vtu")).forEach((x, i) =>
+        assert.ok(Math.abs(x - positionsOf(taken)[i]) < 1e-12),
+      );
+      // Vertices without an image are counted.
+      await press(page, "ArrowUp");
+      await select(page, [60, 61, 62, 63]);
+      await page.evaluate(() => globalThis.espalier.editor.setTime(0));
+      await page.selectOption('[data-choice="mirror"]', "");
+      await select(page, [60]);
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "move", offset: [-0.4, 0, 0] }),
+      );
+      await settled(page);
+      await page.selectOption('[data-choice="mirror"]', "y");
+      await select(page, [0, 60]);
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "move", offset: [0, 0, 0.1] }),
+      );
+      assert.equal(
+        await page.textContent("#message span"),
+        "No mirror image for 1 of the vertices: they stay.",
+      );
+    }, kLargeWindow));
+
+  test("a pull is mirrored, too", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await makeBox(page, 8);
+      await page.selectOption('[data-choice="mirror"]', "z");
+      await press(page, "p");
+      const gap = await page.evaluate(async () => {
+        const { editor, gizmo } = globalThis.espalier;
+        const { points } = editor.model;
+        // The ear with the largest z, and its mirror image.
+        let ear = 0;
+        for (let i = 0; i < points.length; i += 3)
+          if (points[i + 1] > 1.2 && points[i + 2] > points[3 * ear + 2]) ear = i / 3;
+        gizmo.pulls = [ear];
+        gizmo.place();
+        gizmo.controls.dispatchEvent({ type: "dragging-changed", value: true });
+        gizmo.handle.position.z += 0.2;
+        await gizmo.end();
+        const rest = editor.document.lattice.positions;
+        const now = editor.positions;
+        let [apart, moved] = [0, 0];
+        const twice = Math.min(...rest.filter((_, i) => i % 3 === 2)) + Math.max(...rest.filter((_, i) => i % 3 === 2));
+        for (let v = 0; v < rest.length; v += 3) {
+          const image = [rest[v], rest[v + 1], twice - rest[v + 2]];
+          const isAt = (i) => i % 3 === 0 && image.every((x, c) => Math.abs(rest[i + c] - x) < 1e-12);
+          const w = rest.findIndex((_, i) => isAt(i));
+          for (let c = 0; c < 3; ++c) {
+            const reflected = c === 2 ? twice - now[v + c] : now[v + c];
+            apart = Math.max(apart, Math.abs(now[w + c] - reflected));
+            moved = Math.max(moved, Math.abs(now[v + c] - rest[v + c]));
+          }
+        }
+        return { apart, moved, at: editor.view.points[3 * ear + 2] - points[3 * ear + 2] };
+      });
+      assert.ok(gap.apart < 1e-12, String(gap.apart));
+      assert.ok(gap.moved > 0.1);
+      assert.ok(Math.abs(gap.at - 0.2) < 0.01, String(gap.at));
+    }, kLargeWindow));
+
+  test("a limb is selected at a vertex, and turns about its joint", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      const count = (await positions(page)).length / 3;
+      // The vertex at the end of the tail has the least x.
+      const all = await positions(page);
+      let end = 0;
+      for (let v = 0; v < count; ++v) if (all[3 * v] < all[3 * end]) end = v;
+      await select(page, [end]);
+      await clickCommand(page, "limb");
+      const limb = await selected(page);
+      assert.ok(limb.includes(end) && limb.length >= 8 && limb.length < count / 3, limb.join());
+      assert.equal(await page.inputValue('[data-choice="pivot"]'), "border");
+      for (const v of limb) assert.ok(all[3 * v] < 0 && all[3 * v + 1] > 0.4);
+      await press(page, "]");
+      const grown = await selected(page);
+      assert.ok(grown.length > limb.length && limb.every((v) => grown.includes(v)));
+      await press(page, "[");
+      assert.ok((await selected(page)).length < grown.length);
+      await select(page, [end]);
+      await clickCommand(page, "beyond");
+      assert.ok((await selected(page)).includes(end));
+      // A box has no limb: the message says so.
+      await makeBox(page);
+      await select(page, [0]);
+      await clickCommand(page, "limb");
+      assert.match(await page.textContent("#message span"), /has no limb at/);
     }, kLargeWindow));
 
   test("no key replaces the work, and messages go with what they are about", () =>

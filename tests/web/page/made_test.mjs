@@ -11,6 +11,7 @@ import {
   compareWithProgram,
   documentNow,
   download,
+  handlesLetGo,
   file,
   makeBox,
   message,
@@ -122,8 +123,8 @@ describe("what the program makes too", () => {
     withPage(async (page) => {
       await openExample(page, "column");
       await makeBox(page, 3);
-      const turnHandles = (mode, change) =>
-        page.evaluate(
+      const turnHandles = async (mode, change) => {
+        await page.evaluate(
           async ([mode, change]) => {
             const { editor, gizmo } = globalThis.espalier;
             document.querySelector(`[data-command="${mode}"]`).click();
@@ -133,11 +134,11 @@ describe("what the program makes too", () => {
             gizmo.controls.dispatchEvent({ type: "objectChange" });
             await editor.engine.run("memory");
             gizmo.controls.dragging = false;
-            await editor.engine.run("memory");
-            await editor.update();
           },
           [mode, change],
         );
+        await handlesLetGo(page);
+      };
       await page.evaluate(() => globalThis.espalier.editor.select([0, 1, 3, 5, 7]));
       const [before] = (await documentNow(page)).poses;
       await turnHandles("rotate", [0.3, -0.5, 0.7]);

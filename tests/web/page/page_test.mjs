@@ -235,9 +235,8 @@ describe("the page", () => {
       await page.evaluate(
         async ([point, by]) => {
           const { editor } = globalThis.espalier;
-          const moved = await editor.engine.run("pull", [{ point, by }], editor.positions);
           await editor.setPositions(
-            editor.positions.map((x, i) => x + moved[i]),
+            await editor.engine.run("pull", [{ point, by }], [], editor.positions),
             null,
           );
         },
@@ -255,13 +254,13 @@ describe("the page", () => {
       const canvas = page.locator("#view canvas");
       const { x, y, width, height } = await canvas.boundingBox();
       await canvas.click({ position: { x: width / 2, y: height / 2 } });
-      const pulled = await page.evaluate(() => globalThis.espalier.gizmo.pulled);
+      const pulled = await page.evaluate(() => globalThis.espalier.gizmo.pulls[0]);
       const from = await page.evaluate(() => {
         const { gizmo, editor } = globalThis.espalier;
         const { points, camera } = editor.view;
         const place = camera.position
           .clone()
-          .fromArray(points, 3 * gizmo.pulled)
+          .fromArray(points, 3 * gizmo.pulls[0])
           .project(camera);
         return [place.x, place.y];
       });
