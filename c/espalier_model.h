@@ -42,6 +42,35 @@ ESPALIER_C_API espalier_status espalier_model_points(const espalier_model* model
 ESPALIER_C_API espalier_status espalier_model_faces(const espalier_model* model,
                                                     espalier_polygons* faces);
 
+/// How a model looks. The model owns the arrays; an array is null if the file has none of its kind.
+/// Corners are the corners of espalier_model_faces(), faces its faces.
+typedef struct espalier_appearance {
+    int32_t texture_count;           ///< number of pairs of texture coordinates
+    const double* textures;          ///< u and v, with v upwards, of each pair
+    const int32_t* texture_corners;  ///< for each corner the number of its pair
+
+    int32_t normal_count;
+    const double* normals;          ///< 3 numbers for each normal
+    const int32_t* normal_corners;  ///< for each corner the number of its normal; null if there is
+                                    ///< a normal for each point
+
+    /// For each point red, green and blue as screens show them (sRGB), and the opacity: 0 to 1.
+    const float* colors;
+
+    int32_t material_count;
+    const char* const* materials;   ///< names: of an .obj in the order of their first use; of glTF
+                                    ///< of all materials, which may be empty
+    const int32_t* face_materials;  ///< for each face the number of its material, or -1
+} espalier_appearance;
+
+/// Gives what is known of how the model looks: texture coordinates, normals, colours and names of
+/// materials (io::ModelSurface). They are read from the file on the first call.
+///
+/// \retval ESPALIER_ERROR_FILE the file is malformed
+/// \cost one pass over the file; some more for the colours of a .ply and of VTK's files
+ESPALIER_C_API espalier_status espalier_model_appearance(const espalier_model* model,
+                                                         espalier_appearance* appearance);
+
 /// Tells whether the file has directions at the points, normals, tangents or splats, that
 /// espalier_model_write() can carry.
 ESPALIER_C_API espalier_status espalier_model_has_directions(const espalier_model* model,

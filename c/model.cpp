@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,11 +29,17 @@ struct espalier_model {
         std::vector<const char*> pointers;
     };
 
+    struct Appearance {
+        io::ModelSurface surface;  ///< without faces
+        Names materials;
+    };
+
     std::unique_ptr<io::Model> model;
     std::string name;  ///< of the file, for messages
     std::string notes;
     mutable Lazy<Faces> faces = {};  ///< read on the first request, as are the names
     mutable Lazy<Names> attributes = {}, groups = {};
+    mutable Lazy<Appearance> appearance = {};
 };
 
 namespace espalier::c {
@@ -53,13 +60,30 @@ espalier_model::Faces readFaces(const io::Model& model) {
     return faces;
 }
 
-/// Gives the names of items.
-template <class Items>
-espalier_model::Names namesOf(const Items& items) {
+espalier_model::Names namesOf(std::vector<std::string> texts) {
     espalier_model::Names names;
-    names.texts = io::namesOf(items);
+    names.texts = std::move(texts);
     for (const std::string& text : names.texts) names.pointers.push_back(text.c_str());
     return names;
+}
+
+espalier_model::Appearance readAppearance(const io::Model& model) {
+    espalier_model::Appearance result;
+    io::ModelSurface& surface = result.surface;
+    surface = model.readSurface();
+    io::readAppearance(model, surface);
+    surface.faces = {};
+    result.materials = namesOf(std::exchange(surface.materials, {}));
+    return result;
+}
+
+/// Returns the address of the first number of an array; null if it is empty.
+template <class Items>
+auto* numbersOf(const Items& items) {
+    if constexpr (std::is_scalar_v<typename Items::value_type>)
+        return items.empty() ? nullptr : items.data();
+    else
+        return items.empty() ? nullptr : items.front().data();
 }
 
 void give(const espalier_model::Names& names, std::int32_t* count, const char* const** pointers) {
@@ -110,6 +134,29 @@ espalier_status espalier_model_faces(const espalier_model* model, espalier_polyg
     });
 }
 
+espalier_status espalier_model_appearance(const espalier_model* model,
+                                          espalier_appearance* appearance) {
+    return c::result(appearance, "appearance", [&] {
+        const auto& own = c::deref(model, "model");
+        const auto& [surface, materials] =
+            own.appearance.get([&] { return c::readAppearance(*own.model); });
+        espalier_appearance result = {};
+        if (!surface.textureCorners.empty()) {
+            result.texture_count = static_cast<std::int32_t>(surface.textures.size());
+            result.textures = c::numbersOf(surface.textures);
+            result.texture_corners = c::numbersOf(surface.textureCorners);
+        }
+        result.normal_count = static_cast<std::int32_t>(surface.normals.size());
+        result.normals = c::numbersOf(surface.normals);
+        result.normal_corners = c::numbersOf(surface.normalCorners);
+        result.colors = c::numbersOf(surface.colors);
+        result.material_count = static_cast<std::int32_t>(materials.pointers.size());
+        result.materials = c::numbersOf(materials.pointers);
+        result.face_materials = c::numbersOf(surface.faceMaterials);
+        return result;
+    });
+}
+
 espalier_status espalier_model_has_directions(const espalier_model* model,
                                               int32_t* has_directions) {
     return c::result(has_directions, "has_directions",
@@ -124,8 +171,9 @@ espalier_status espalier_model_attributes(const espalier_model* model, int32_t* 
                                           const char* const** names) {
     return c::guarded([&] {
         const auto& own = c::deref(model, "model");
-        c::give(own.attributes.get([&] { return c::namesOf(own.model->attributes()); }), count,
-                names);
+        c::give(
+            own.attributes.get([&] { return c::namesOf(io::namesOf(own.model->attributes())); }),
+            count, names);
     });
 }
 
@@ -133,7 +181,8 @@ espalier_status espalier_model_groups(const espalier_model* model, int32_t* coun
                                       const char* const** names) {
     return c::guarded([&] {
         const auto& own = c::deref(model, "model");
-        c::give(own.groups.get([&] { return c::namesOf(own.model->groups()); }), count, names);
+        c::give(own.groups.get([&] { return c::namesOf(io::namesOf(own.model->groups())); }), count,
+                names);
     });
 }
 

@@ -101,7 +101,8 @@ struct ModelSurface {
     std::vector<Index> normalCorners;
 
     /// Texture coordinates u and v, with v upwards, and per corner of the faces the number of its
-    /// pair. Empty unless each corner has a pair.
+    /// pair. Empty unless each corner has a pair. In glTF, primitives without TEXCOORD_0 have the
+    /// pair 0 0.
     std::vector<std::array<double, 2>> textures;
     std::vector<Index> textureCorners;
 
@@ -110,7 +111,8 @@ struct ModelSurface {
     std::vector<std::array<float, 4>> colors;
 
     /// Names of materials, and per face the number of its material, or -1. Empty if no face has
-    /// one.
+    /// one. An OBJ lists the materials in the order of their first use. glTF lists all, with names
+    /// that may be empty.
     std::vector<std::string> materials;
     std::vector<Index> faceMaterials;
 
@@ -362,6 +364,12 @@ private:
     mutable std::mutex conversionMutex_;
     mutable std::shared_ptr<const ModelConversion> conversion_;
 };
+
+/// Adds colours and texture coordinates that the file has as attributes of the points (PLY, VTK) to
+/// a surface that readSurface() returned without them, and removes them from its other data.
+/// \throws FileError if the numbers are malformed
+/// \cost one pass over the file for each component
+ESPALIER_API void readAppearance(const Model& model, ModelSurface& surface);
 
 /// Returns the file that a path of a model means: the points of OpenFOAM for a folder
 /// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.

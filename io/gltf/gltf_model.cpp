@@ -4,6 +4,7 @@
 #include <espalier/io/model.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -44,7 +45,7 @@
 // Otherwise a new one is added, of floats. All else in the file stays.
 //
 // The faces are the triangles, strips and fans. Where a node mirrors, the faces are turned, as glTF
-// asks.
+// asks. TEXCOORD_0, COLOR_0 and the materials are their appearance.
 
 namespace espalier::io {
 namespace {
@@ -84,6 +85,15 @@ std::vector<std::size_t> countReferences(const GltfFile& file) {
             countOne(sampler, "output");
         });
     return counts;
+}
+
+constexpr const char* kTextureSemantic = "TEXCOORD_0";
+constexpr const char* kColorSemantic = "COLOR_0";
+
+/// Returns the sRGB value from 0 to 1 that stands for an intensity of light (IEC 61966-2-1).
+float screenValueOf(float intensity) {
+    const double x = intensity;
+    return static_cast<float>(x <= 0.0031308 ? x * 12.92 : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
 }
 
 bool isSamePoint(const Point3& a, const Point3& b) {
@@ -264,6 +274,14 @@ private:
         return corners;
     }
 
+    /// Returns the number of the material of a primitive, or -1.
+    Index materialOf(const Json& primitive) const {
+        const auto material = file_.number(primitive, "material");
+        if (!material) return -1;
+        file_.item("materials", *material);
+        return static_cast<Index>(*material);
+    }
+
     /// Adds the triangles of a primitive as if its points were those of a block.
     void addFaces(const Json& primitive, const GltfBlock& block, ModelFaces& faces) const;
 
@@ -370,6 +388,9 @@ private:
     }
 
     ModelSurface surface() const;
+    void addTextures(const Json& primitive, const GltfBlock& block, std::span<const Index> corners,
+                     ModelSurface& surface) const;
+    void addColors(const Json& primitive, const GltfBlock& block, ModelSurface& surface) const;
     void writeFile(const std::filesystem::path& path, std::span<const Point3> moved,
                    std::span<const DeformationGradient> gradients) const;
 
@@ -402,9 +423,49 @@ void GltfModel::addFaces(const Json& primitive, const GltfBlock& block, ModelFac
     });
 }
 
+/// Adds the texture coordinates of the corners of a primitive; 0 0 if it has none.
+void GltfModel::addTextures(const Json& primitive, const GltfBlock& block,
+                            std::span<const Index> corners, ModelSurface& surface) const {
+    const std::size_t first = surface.textures.size();
+    const auto accessor = file_.number(primitive["attributes"], kTextureSemantic);
+    if (accessor) {
+        const std::vector<double> numbers = numbersOf(file_, *accessor);
+        if (numbers.size() != 2 * block.count)
+            file_.fail(concat("accessor ", *accessor, " has ", numbers.size(),
+                              " texture coordinates; expected 2 for each of ", block.count,
+                              " points"));
+        for (std::size_t i = 0; i < block.count; ++i)
+            surface.textures.push_back({numbers[2 * i], 1 - numbers[2 * i + 1]});
+    } else {
+        surface.textures.push_back({0, 0});
+    }
+    for (const Index corner : corners)
+        surface.textureCorners.push_back(static_cast<Index>(first) + (accessor ? corner : 0));
+}
+
+/// Sets the colours of the points of a primitive. glTF has intensities of light.
+void GltfModel::addColors(const Json& primitive, const GltfBlock& block,
+                          ModelSurface& surface) const {
+    const auto accessor = file_.number(primitive["attributes"], kColorSemantic);
+    if (!accessor) return;
+    const std::size_t components = accessorOf(file_, *accessor).components;
+    const std::vector<double> numbers = numbersOf(file_, *accessor);
+    if ((components != 3 && components != 4) || numbers.size() != components * block.count)
+        file_.fail(concat("accessor ", *accessor, " has no colours of ", block.count, " points"));
+    if (surface.colors.empty()) surface.colors.assign(scene_.positions.size(), {1, 1, 1, 1});
+    for (std::size_t i = 0; i < block.count; ++i) {
+        auto& color = surface.colors[block.first + i];
+        for (std::size_t c = 0; c < components; ++c) {
+            const auto number = static_cast<float>(numbers[components * i + c]);
+            const float known = number >= 0 ? std::min(number, 1.0F) : 0;
+            color[c] = c < 3 ? screenValueOf(known) : known;
+        }
+    }
+}
+
 ModelSurface GltfModel::surface() const {
     ModelSurface surface;
-    bool haveNormals = true;
+    bool haveNormals = true, haveTextures = false;
     std::vector<std::optional<std::size_t>> firstNormals(scene_.vectors.size());
     for (const GltfDrawnMesh& drawn : scene_.meshes) {
         const Json& primitives = file_.item("meshes", drawn.drawing.mesh)["primitives"];
@@ -415,13 +476,16 @@ ModelSurface GltfModel::surface() const {
             const std::size_t mode = file_.number(primitive, "mode").value_or(4);
             if (mode >= 1 && mode <= 3) surface.addOther("lines");
             for (const auto& [name, accessor] : primitive["attributes"].items())
-                if (name != "POSITION" && name != "NORMAL") surface.addOther("attributes", name);
+                if (name != "POSITION" && name != "NORMAL" && name != kTextureSemantic &&
+                    name != kColorSemantic)
+                    surface.addOther("attributes", name);
             if (primitive.contains("targets")) {
                 surface.addOther("morph targets");
                 surface.dropsLoosePoints = true;
             }
             if (mode < 4 || mode > 6) continue;
             const std::vector<Index> corners = cornersOf(primitive, block);
+            const std::size_t firstCorner = surface.faces.corners.size();
             const bool isMirrored = determinant(block.map(0).linear) < 0;
             const auto normals = drawn.normals[p];
             haveNormals = haveNormals && normals.has_value();
@@ -441,8 +505,24 @@ ModelSurface GltfModel::surface() const {
                 }
                 surface.faces.endFace();
             });
+            std::vector<Index> inBlock;
+            for (std::size_t i = firstCorner; i < surface.faces.corners.size(); ++i)
+                inBlock.push_back(surface.faces.corners[i] - static_cast<Index>(block.first));
+            addTextures(primitive, block, inBlock, surface);
+            haveTextures = haveTextures || primitive["attributes"].contains(kTextureSemantic);
+            addColors(primitive, block, surface);
+            surface.faceMaterials.resize(surface.faces.count(), materialOf(primitive));
         }
     }
+    if (!haveTextures) {
+        surface.textures.clear();
+        surface.textureCorners.clear();
+    }
+    for (const Json& material : file_.list("materials"))
+        surface.materials.push_back(GltfFile::text(material, "name"));
+    if (std::ranges::all_of(surface.faceMaterials, [](Index material) { return material < 0; }))
+        surface.faceMaterials.clear();
+    if (surface.faceMaterials.empty()) surface.materials.clear();
     if (!haveNormals) {
         surface.normals.clear();
         surface.normalCorners.clear();

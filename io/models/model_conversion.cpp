@@ -72,13 +72,10 @@ ModelConversion::ModelConversion(const Model& model, const Format& format,
     for (Point3& normal : surface_.normals)
         if (!std::ranges::all_of(normal, [](double x) { return std::isfinite(x); }))
             normal = {0, 0, 0};
-    if (format.holdsAppearance) {
-        const auto attributes = model.attributes();
-        if (surface_.colors.empty()) readColors(attributes);
-        if (surface_.textureCorners.empty()) readTextures(attributes);
-    } else {
+    if (format.holdsAppearance)
+        readAppearance(model, surface_);
+    else
         dropAppearance();
-    }
     if (surface_.dropsLoosePoints) dropRepeatedPoints();
     if (format.normals == Format::Normals::Points) moveNormalsToPoints();
     if (format.normals == Format::Normals::Corners) moveNormalsToCorners();
@@ -146,54 +143,6 @@ void ModelConversion::splitIntoTriangles() {
     if (splitCount > 0)
         changes_.push_back(concat(counted(splitCount, "face is", "faces are"), " split into ",
                                   partCount, " triangles"));
-}
-
-namespace {
-
-/// Returns the attribute with a component of a colour or of texture coordinates; null if there is
-/// none.
-const PointAttribute* findComponent(const std::vector<PointAttribute>& attributes,
-                                    PointAttribute::Kind kind, std::size_t component) {
-    const auto found = std::ranges::find_if(attributes, [&](const PointAttribute& attribute) {
-        return attribute.kind == kind && attribute.component == component;
-    });
-    return found == attributes.end() ? nullptr : &*found;
-}
-
-/// Reads an attribute, and removes it from the data that are not written.
-std::vector<double> take(const PointAttribute& attribute, ModelSurface& surface) {
-    surface.removePointData(attribute.name);
-    surface.removePointData(attribute.name.substr(0, attribute.name.rfind(':')));  // an array
-    return attribute.read();
-}
-
-}  // namespace
-
-/// Takes the colours of the points from attributes, if there are red, green and blue.
-void ModelConversion::readColors(const std::vector<PointAttribute>& attributes) {
-    std::array<const PointAttribute*, 4> channels{};
-    for (std::size_t component = 0; component < 4; ++component)
-        channels[component] = findComponent(attributes, PointAttribute::Kind::Color, component);
-    if (!channels[0] || !channels[1] || !channels[2]) return;
-    surface_.colors.assign(model_.positions().size(), {0, 0, 0, 1});
-    for (std::size_t component = 0; component < 4; ++component) {
-        if (!channels[component]) continue;
-        const std::vector<double> values = take(*channels[component], surface_);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            if (!std::isnan(values[i]))
-                surface_.colors[i][component] = static_cast<float>(std::clamp(values[i], 0.0, 1.0));
-    }
-}
-
-/// Takes the texture coordinates of the points from attributes, if there are u and v.
-void ModelConversion::readTextures(const std::vector<PointAttribute>& attributes) {
-    const auto* u = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 0);
-    const auto* v = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 1);
-    if (!u || !v || surface_.faces.count() == 0) return;
-    const std::vector<double> us = take(*u, surface_), vs = take(*v, surface_);
-    surface_.textures.clear();
-    for (std::size_t i = 0; i < us.size(); ++i) surface_.textures.push_back({us[i], vs[i]});
-    surface_.textureCorners = surface_.faces.corners;
 }
 
 /// Names texture coordinates, colours and materials, and drops them, if the format lacks them.

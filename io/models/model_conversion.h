@@ -60,8 +60,6 @@ private:
     void dropRepeatedPoints();
     void splitIntoTriangles();
     void dropAppearance();
-    void readColors(const std::vector<PointAttribute>& attributes);
-    void readTextures(const std::vector<PointAttribute>& attributes);
     void moveNormalsToPoints();
     void moveNormalsToCorners();
     void carryNormals(std::span<const DeformationGradient> gradients, std::vector<Point3>& normals,

@@ -125,6 +125,47 @@ static void test_parts(void) {
     espalier_model_destroy(model);
 }
 
+/* Texture coordinates, normals, colours and materials: of an .obj per corner, of a .ply per point.
+ */
+static void test_appearance(void) {
+    static const char text[] =
+        "v 0 0 0 1 0 0\nv 1 0 0 0.5 0 0\nv 1 1 0 0.25 0 0\nv 0 1 0 0 0 0\n"
+        "vt 0 0\nvt 0.5 0.25\nvn 0 0 1\n"
+        "f 1/1/1 2/2/1 3/1/1\nusemtl wood\nf 1/1/1 3/2/1 4/2/1\n";
+    espalier_model* model = NULL;
+    OK(espalier_model_read_bytes("two.obj", sizeof text - 1, text, &model));
+    espalier_appearance look;
+    OK(espalier_model_appearance(model, &look));
+    CHECK(look.texture_count == 2 && look.textures[2] == 0.5 && look.textures[3] == 0.25);
+    CHECK(look.texture_corners[1] == 1 && look.texture_corners[5] == 1);
+    CHECK(look.normal_count == 1 && look.normals[2] == 1 && look.normal_corners[5] == 0);
+    CHECK(look.colors[4] == 0.5F && look.colors[15] == 1);
+    CHECK(look.material_count == 1 && strcmp(look.materials[0], "wood") == 0);
+    CHECK(look.face_materials[0] == -1 && look.face_materials[1] == 0);
+    INVALID(espalier_model_appearance(model, NULL), "appearance is null");
+    INVALID(espalier_model_appearance(NULL, &look), "model is null");
+    espalier_model_destroy(model);
+    static const char points[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "property float s\nproperty float t\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0 1 255 0 51 0 1\n1 0 0 0 0 1 255 0 51 1 1\n0 1 0 0 1 0 255 0 51 0 0\n3 0 1 2\n";
+    OK(espalier_model_read_bytes("three.ply", sizeof points - 1, points, &model));
+    OK(espalier_model_appearance(model, &look));
+    CHECK(look.texture_count == 3 && look.textures[2] == 1 && look.texture_corners[2] == 2);
+    CHECK(look.normal_count == 3 && look.normals[7] == 1 && look.normal_corners == NULL);
+    CHECK(look.colors[0] == 1 && look.colors[2] == 0.2F && look.colors[11] == 1);
+    CHECK(look.material_count == 0 && look.materials == NULL && look.face_materials == NULL);
+    espalier_model_destroy(model);
+    OK(espalier_model_read_bytes("a.obj", 8, "v 0 0 0\n", &model));
+    OK(espalier_model_appearance(model, &look));
+    CHECK(look.textures == NULL && look.texture_corners == NULL && look.texture_count == 0);
+    CHECK(look.normals == NULL && look.colors == NULL);
+    espalier_model_destroy(model);
+}
+
 /* Grows a cell on a cube and removes it again. */
 static void test_editing(void) {
     espalier_lattice *cube = NULL, *two = NULL, *with_tip = NULL, *one = NULL;
@@ -210,6 +251,7 @@ int main(int argc, char** argv) {
     snprintf(path, sizeof path, "%s/model.obj", argv[1]);
     test_reading(path);
     test_parts();
+    test_appearance();
     test_editing();
     return 0;
 }

@@ -748,7 +748,17 @@ TEST(Gltf, ANewFileHasNormalsTexturesColorsAndMaterials) {
     EXPECT_EQ(colors[0], (std::vector<float>{1, 0, 0, 1}));
     EXPECT_NEAR(colors[5][1], 0.21404, 1e-5);
     const auto read = readModel("b.glb", writtenAs(*model, "b.glb", model->positions()));
-    EXPECT_EQ(read->readSurface().faces.count(), 3u);
+    const ModelSurface back = read->readSurface();
+    EXPECT_EQ(back.faces.count(), 3u);
+    EXPECT_EQ(back.materials, (std::vector<std::string>{"red", "blue"}));
+    EXPECT_EQ(back.faceMaterials, (std::vector<Index>{0, 0, 1}));
+    const ModelSurface from = model->readSurface();
+    ASSERT_EQ(back.textureCorners.size(), 9u);
+    for (const std::size_t corner : {0u, 1u, 2u, 6u, 7u, 8u})
+        EXPECT_EQ(back.textures[back.textureCorners[corner]],
+                  from.textures[from.textureCorners[corner < 6 ? corner : corner - 2]]);
+    ASSERT_EQ(back.colors.size(), 6u);
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(back.colors[5][c], from.colors[4][c], 1e-6);
     // The same in a text.
     EXPECT_EQ(ParsedGltf(writtenAs(*model, "a.gltf", model->positions())).data, made.data);
     // Normals turn with the gradients.
@@ -954,6 +964,42 @@ TEST(Gltf, GroupsOfASharedAccessorAreTheCornersOfTheirFaces) {
               (std::vector<std::string>{"COLOR_0:0", "COLOR_0:1", "COLOR_0:2", "COLOR_0:3"}));
     EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:0"), std::vector<double>(4, 0.5));
     EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:3"), std::vector<double>(4, 1));
+}
+
+// Two of three primitives have a look of their own, of bytes and shorts.
+TEST(Gltf, PrimitivesWithoutALookGetAPlainOne) {
+    auto sample = triangle();
+    json& first = sample.root["meshes"][0]["primitives"][0];
+    const json plain = {{"attributes", {{"POSITION", sample.add(kGltfCorners)}}}};
+    json second = plain;
+    first["attributes"]["TEXCOORD_0"] =
+        sample.add(std::vector<std::uint16_t>{0, 0, 65535, 0, 0, 65535}, "VEC2", 5123);
+    sample.root["accessors"].back()["normalized"] = true;
+    second["attributes"]["COLOR_0"] = sample.add(std::vector<float>(9, 0.25F));
+    second["material"] = 1;
+    sample.root["materials"] = {{{"name", "a"}}, json::object()};
+    sample.root["meshes"][0]["primitives"].push_back(second);
+    sample.root["meshes"][0]["primitives"].push_back(plain);
+    const ModelSurface surface = readModel("a.gltf", sample.text())->readSurface();
+    EXPECT_EQ(surface.materials, (std::vector<std::string>{"a", ""}));
+    EXPECT_EQ(surface.faceMaterials, (std::vector<Index>{-1, 1, -1}));
+    std::vector<std::array<double, 2>> textures;
+    for (const Index pair : surface.textureCorners) textures.push_back(surface.textures[pair]);
+    EXPECT_EQ(textures,
+              (std::vector<std::array<double, 2>>{{0, 1}, {1, 1}, {0, 0}, {}, {}, {}, {}, {}, {}}));
+    // The second and the third primitive have the same points.
+    ASSERT_EQ(surface.colors.size(), 6u);
+    EXPECT_EQ(surface.colors[0], (std::array<float, 4>{1, 1, 1, 1}));
+    EXPECT_NEAR(surface.colors[5][2], 0.53710, 1e-5);  // sRGB of 0.25
+    json& primitives = sample.root["meshes"][0]["primitives"];
+    const json good = primitives;
+    primitives[0]["attributes"]["TEXCOORD_0"] = sample.add(std::vector<float>(9, 0.5F));
+    EXPECT_REFUSED(FileError, "expected 2 for each of 3 points",
+                   readModel("a.gltf", sample.text())->readSurface());
+    primitives = good;
+    primitives[1]["attributes"]["COLOR_0"] = sample.add(std::vector<float>(6, 0.25F), "VEC2");
+    EXPECT_REFUSED(FileError, "has no colours of 3 points",
+                   readModel("a.gltf", sample.text())->readSurface());
 }
 
 TEST(Gltf, NumbersThatAreNoWeightsAreRefused) {

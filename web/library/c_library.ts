@@ -84,6 +84,22 @@ export class CLibrary {
     }
   }
 
+  /** Makes files for `use`, in folders that may be missing. */
+  withFiles<T>(files: Record<string, Uint8Array>, use: () => T): T {
+    const made: string[] = [];
+    try {
+      for (const [path, bytes] of Object.entries(files)) {
+        typed(path, bytes, Uint8Array);
+        this.core.FS.mkdirTree(`/${path}`.replace(/\/[^/]*$/, "") || "/");
+        this.core.FS.writeFile(path, bytes);
+        made.push(path);
+      }
+      return use();
+    } finally {
+      for (const path of made) this.core.FS.unlink(path);
+    }
+  }
+
   /** Runs `work`, and reports its progress.
    *
    * @param report returns false to cancel: `work` then throws an error for which isCancelled() holds. An exception

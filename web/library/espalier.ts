@@ -18,7 +18,7 @@ export type { Progress } from "./c_library.ts";
 export { Deformer, Evaluator } from "./evaluator.ts";
 export { Lattice, SHARP, type Marks, type Point } from "./lattice.ts";
 export { EspalierError, isCancelled } from "./memory.ts";
-export { Model, type Polygons } from "./model.ts";
+export { Model, type Appearance, type Polygons } from "./model.ts";
 export {
   Poses,
   type Falloff,
@@ -89,18 +89,22 @@ export class Espalier extends CLibrary {
   /** Selections of vertices, and operations that move them. */
   readonly poses = new Poses(this);
 
-  /** Reads a model: .obj, .ply, .stl, .vtu, .vtp or .vtk. */
-  readModel(name: string, bytes: Uint8Array): Model {
+  /** Reads a model: .obj, .ply, .stl, .glb, .gltf, .vtu, .vtp or .vtk.
+   * @param beside files that the model names, by the names: the .bin of a .gltf
+   */
+  readModel(name: string, bytes: Uint8Array, beside: Record<string, Uint8Array> = {}): Model {
     check.text("name", name);
     check.typed("bytes", bytes, Uint8Array);
-    return this.scoped((scope) => {
-      const content = scope.bytes(bytes);
-      return new Model(
-        this,
-        this.create("espalier_model_read_bytes", scope.text(name), BigInt(bytes.length), content),
-        extensionOf(name),
-      );
-    });
+    return this.withFiles(beside, () =>
+      this.scoped((scope) => {
+        const content = scope.bytes(bytes);
+        return new Model(
+          this,
+          this.create("espalier_model_read_bytes", scope.text(name), BigInt(bytes.length), content),
+          extensionOf(name),
+        );
+      }),
+    );
   }
 
   /** Reads a lattice: .ovm, .vtu or .vtk. */

@@ -14,6 +14,7 @@ export interface Core {
     writeFile(path: string, bytes: Uint8Array): void;
     readFile(path: string): Uint8Array;
     unlink(path: string): void;
+    mkdirTree(path: string): void;
   };
   addFunction(callback: (...values: number[]) => number | void, signature: string): number;
   removeFunction(pointer: number): void;

@@ -3,12 +3,30 @@
 
 import { countPoints, integer, numbers } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
-import { doublesAt, integersAt, longAt, longsAt, textAt } from "./memory.ts";
+import { doublesAt, floatsAt, integersAt, longAt, longsAt, textAt } from "./memory.ts";
 
 /** Faces and their corners: face f has corners[offsets[f]] to corners[offsets[f + 1] - 1]. */
 export interface Polygons {
   offsets: Int32Array;
   corners: Int32Array;
+}
+
+/** How a model looks. An array is null if the file has none of its kind. Corners are the corners of Model.faces(). */
+export interface Appearance {
+  /** u and v, with v upwards, of each pair of texture coordinates */
+  textures: Float64Array | null;
+  /** for each corner the number of its pair */
+  textureCorners: Int32Array | null;
+  /** three numbers for each normal */
+  normals: Float64Array | null;
+  /** for each corner the number of its normal; null if there is a normal for each point */
+  normalCorners: Int32Array | null;
+  /** for each point red, green and blue as screens show them (sRGB), and the opacity: 0 to 1 */
+  colors: Float32Array | null;
+  /** names: of an .obj in the order of their first use; of glTF of all materials, which may be empty */
+  materials: string[];
+  /** for each face the number of its material, or -1 */
+  faceMaterials: Int32Array | null;
 }
 
 /** A file with points that a lattice deforms. */
@@ -43,6 +61,45 @@ export class Model extends Handle {
     });
   }
 
+  /** Texture coordinates, normals, colours and names of materials. */
+  appearance(): Appearance {
+    const { core } = this.library;
+    const { offsets, corners } = this.faces();
+    const [faceCount, cornerCount] = [offsets.length - 1, corners.length];
+    const pointCount = this.points().length / 3;
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(40);
+      this.library.call("espalier_model_appearance", this.address, out);
+      // The fields of espalier_appearance: counts and pointers, 4 bytes each.
+      const [
+        textureCount,
+        textures,
+        textureCorners,
+        normalCount,
+        normals,
+        normalCorners,
+        ...others
+      ] = integersAt(core, out, 10);
+      const [colors, materialCount, materials, faceMaterials] = others;
+      const integersOrNull = (at: number, count: number) =>
+        at === 0 ? null : integersAt(core, at, count);
+      return {
+        textures: textures === 0 ? null : doublesAt(core, textures, 2 * textureCount),
+        textureCorners: integersOrNull(textureCorners, cornerCount),
+        normals: normals === 0 ? null : doublesAt(core, normals, 3 * normalCount),
+        normalCorners: integersOrNull(normalCorners, cornerCount),
+        colors: colors === 0 ? null : floatsAt(core, colors, 4 * pointCount),
+        materials: this.texts(materials, materialCount),
+        faceMaterials: integersOrNull(faceMaterials, faceCount),
+      };
+    });
+  }
+
+  private texts(at: number, count: number): string[] {
+    const { core } = this.library;
+    return Array.from(integersAt(core, at, count), (pointer) => textAt(core, pointer));
+  }
+
   /** Names parts of the file that were skipped, or are kept without being understood; empty if there
    * are none. */
   notes(): string {
@@ -69,7 +126,7 @@ export class Model extends Handle {
       const out = scope.allocate(8);
       this.library.call(call, this.address, out, out + 4);
       const [count, pointers] = integersAt(core, out, 2);
-      return Array.from(integersAt(core, pointers, count), (pointer) => textAt(core, pointer));
+      return this.texts(pointers, count);
     });
   }
 
@@ -123,11 +180,13 @@ export class Model extends Handle {
 
   /** The file with new points. Without a change of points, the file that was read.
    * @param gradients nine numbers for each point, which carry normals, tangents and splats
+   * @param extension of a format of models, to which the file is converted. A .gltf whose .bin is beside it is one
+   *   file as ".glb"
    */
-  write(points: Float64Array, gradients?: Float64Array): Uint8Array {
+  write(points: Float64Array, gradients?: Float64Array, extension = this.extension): Uint8Array {
     const count = countPoints("points", points);
     if (gradients !== undefined) numbers("gradients", gradients, 9 * count);
-    return this.library.file(this.extension, (path) =>
+    return this.library.file(extension, (path) =>
       this.library.scoped((scope) =>
         this.library.call(
           "espalier_model_write",

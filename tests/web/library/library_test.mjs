@@ -116,6 +116,47 @@ test("cages hold their models", () => {
   assert.ok(binding.statuses().every((status) => status === 0));
 });
 
+test("a model tells how it looks", () => {
+  const text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.5\nvn 0 0 1\nusemtl wood\nf 1/1/1 2/1/1 3/1/1\n";
+  const look = espalier.readModel("a.obj", bytesOf(text)).appearance();
+  assert.deepEqual(look, {
+    textures: Float64Array.of(0, 0.5),
+    textureCorners: Int32Array.of(0, 0, 0),
+    normals: Float64Array.of(0, 0, 1),
+    normalCorners: Int32Array.of(0, 0, 0),
+    colors: null,
+    materials: ["wood"],
+    faceMaterials: Int32Array.of(0),
+  });
+  const colours = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0.5\n";
+  const { colors, textures } = espalier.readModel("b.obj", bytesOf(colours)).appearance();
+  assert.deepEqual(colors, Float32Array.of(1, 0, 0, 1, 0, 1, 0.5, 1));
+  assert.equal(textures, null);
+});
+
+test("a model is read with a file beside it, and written in another format", () => {
+  const points = new Uint8Array(Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0).buffer);
+  const json = {
+    asset: { version: "2.0" },
+    buffers: [{ byteLength: 36, uri: "data/a%20b.bin" }],
+    bufferViews: [{ buffer: 0, byteLength: 36 }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3" }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    nodes: [{ mesh: 0 }],
+  };
+  const bytes = bytesOf(JSON.stringify(json));
+  assert.throws(() => espalier.readModel("a.gltf", bytes), /its buffer is in another file/);
+  const model = espalier.readModel("a.gltf", bytes, { "data/a b.bin": points });
+  assert.deepEqual(model.points(), Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0));
+  const moved = Float64Array.of(2, 0, 0, 1, 0, 0, 0, 1, 0);
+  const written = model.write(moved, undefined, ".glb");
+  assert.deepEqual(espalier.readModel("a.glb", written).points(), moved);
+  assert.throws(
+    () => espalier.readModel("a.gltf", bytes, { "data/a b.bin": points.length }),
+    TypeError,
+  );
+});
+
 test("a part of a model follows", () => {
   const text =
     "v .1 .1 .5 1 0 0\nv .9 .1 .5 .5 0 0\nv .9 .9 .5 .25 0 0\nv .1 .9 1.25 1 0 0\n" +
