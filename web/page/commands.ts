@@ -3,13 +3,14 @@
 // the commands with keys.
 
 import { Vector3 } from "three";
+import { kCompanions, takenExtension } from "./companions.ts";
 import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
 import { kWeldTolerance, type Editor } from "./editor.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
 import { commandsOf, deformedName, fileName, fileWord } from "./program.ts";
-import type { BoundaryFace, Product } from "./protocol.ts";
+import type { BoundaryFace, ModelFile, Product } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import type { Timeline } from "./timeline.ts";
 import { centerOf, kAxes, middleOf } from "./transforms.ts";
@@ -22,10 +23,7 @@ export interface Page {
   pointer: Pointer;
   timeline: Timeline;
   /** Asks for files, and opens each. */
-  chooseFiles(
-    accept: string,
-    open: (file: { name: string; bytes: Uint8Array }) => Promise<void>,
-  ): void;
+  chooseFiles(accept: string, open: (file: ModelFile) => Promise<void>): void;
   save(name: string, content: Blob | Uint8Array): void;
   switchTheme(): void;
   /** Shows the controls as they are: which is chosen, and which can be used. */
@@ -253,7 +251,8 @@ export function commandsFor(page: Page): Record<string, Command> {
     open: {
       title: "Open a model",
       key: "o",
-      run: () => page.chooseFiles(kModels, (file) => editor.openModel(file)),
+      run: () =>
+        page.chooseFiles([kModels, ...kCompanions].join(), (file) => editor.openModel(file)),
     },
     "open lattice": {
       title: "Open a lattice, or a pose of it",
@@ -434,7 +433,11 @@ export function commandsFor(page: Page): Record<string, Command> {
       needs: "binding",
       run: take(
         () => deformedName(editor.document),
-        () => ({ kind: "model", pose: editor.positions }),
+        () => ({
+          kind: "model",
+          pose: editor.positions,
+          extension: takenExtension(editor.document.model!),
+        }),
       ),
     },
     "save pose": {

@@ -2,7 +2,7 @@
 // A document is a model, a lattice at rest, poses of the lattice, and settings. A document never changes.
 // An edit makes a new document, which shares all parts that stay. Undo shows the document before.
 
-import type { BindSettings, LatticeFile, NamedFile, Rules } from "./protocol.ts";
+import type { BindSettings, LatticeFile, ModelFile, Rules } from "./protocol.ts";
 
 export interface Pose {
   readonly name: string;
@@ -17,7 +17,7 @@ export interface RestLattice extends LatticeFile {
 }
 
 export interface Document {
-  readonly model: NamedFile | null;
+  readonly model: ModelFile | null;
   readonly lattice: RestLattice | null;
   readonly poses: readonly Pose[];
   /** 0 is the lattice at rest, i is pose i, counted from 1; fractions are between two poses */
@@ -193,6 +193,7 @@ export class History {
     const arrays = new Set<Uint8Array | Float64Array | null>();
     for (const { model, lattice, poses } of this.documents) {
       arrays.add(model?.bytes ?? null).add(lattice?.bytes ?? null);
+      for (const { bytes } of model?.companions ?? []) arrays.add(bytes);
       for (const pose of poses) arrays.add(pose.positions);
     }
     let bytes = 0;

@@ -3,6 +3,8 @@
 // Then update() brings the worker and the view to that document: it opens, binds and poses only what
 // differs from what they have.
 
+import { lookOf, type Look } from "./appearance.ts";
+import { extensionOf, withCompanions } from "./companions.ts";
 import { Cancelled, Engine } from "./engine.ts";
 import {
   History,
@@ -22,6 +24,7 @@ import type {
   LatticeEdit,
   LatticeFile,
   LatticeShape,
+  ModelFile,
   ModelShape,
   NamedFile,
   Product,
@@ -39,7 +42,7 @@ export const kWeldTolerance = 1e-3;
 
 /** What the worker and the view have. */
 interface Open {
-  model: NamedFile | null;
+  model: ModelFile | null;
   lattice: LatticeFile | null;
   rules: Document["rules"] | null;
   settings: Document["settings"] | null;
@@ -192,15 +195,34 @@ export class Editor {
 
   private async bringModel({ model }: Document): Promise<void> {
     if (this.open.model === model) return;
-    this.model = await this.engine.run("openModel", model);
-    this.open = { ...this.open, model, settings: null, positions: null };
-    this.binding = null;
-    this.view.setModel(
-      Float32Array.from(this.model?.points ?? []),
-      this.model?.triangles ?? new Uint32Array(0),
-    );
+    if (model && this.open.model?.bytes === model.bytes) {
+      await this.showLook(model);
+      return this.onChange();
+    }
+    await this.showModel(model);
     if (model && !this.document.lattice) this.view.look();
     this.onChange();
+  }
+
+  /** Opens a model in the worker, and shows it as it is at rest. Returns notes on what is not shown. */
+  private async showModel(model: ModelFile | null): Promise<string[]> {
+    const shape = await this.engine.run("openModel", model);
+    this.model = shape;
+    this.open = { ...this.open, model, settings: null, positions: null };
+    this.binding = null;
+    this.view.setModel(Float32Array.from(shape?.points ?? []), shape?.drawn ?? null);
+    return model ? this.showLook(model) : [];
+  }
+
+  /** Shows the materials of the open model. */
+  private async showLook(model: ModelFile): Promise<string[]> {
+    const { materials, notes } = await lookOf(model, this.model!).catch((error: Error): Look => ({
+      materials: [],
+      notes: [`1 file of materials cannot be read: ${error.message}`],
+    }));
+    this.open = { ...this.open, model };
+    this.view.setLook(materials);
+    return notes;
   }
 
   private async bringLattice({ lattice, rules }: Document): Promise<void> {
@@ -296,8 +318,8 @@ export class Editor {
   }
 
   /** Opens a model, or a lattice, or a pose of the lattice: as the file is. */
-  async openFile(file: NamedFile): Promise<void> {
-    const extension = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
+  async openFile(file: ModelFile): Promise<void> {
+    const extension = extensionOf(file.name);
     if (
       extension === ".ovm" ||
       ((extension === ".vtu" || extension === ".vtk") && this.document.model)
@@ -307,16 +329,30 @@ export class Editor {
   }
 
   /** Opens a model. A lattice stays, with its poses. */
-  async openModel(file: NamedFile): Promise<void> {
+  async openModel(file: ModelFile): Promise<void> {
     // The worker reads it here already, so a file that cannot be read changes nothing.
-    const shape = await this.engine.run("openModel", file);
-    this.open = { ...this.open, model: file, settings: null, positions: null };
-    this.model = shape;
-    this.binding = null;
-    this.view.setModel(Float32Array.from(shape!.points), shape!.triangles);
+    const notes = await this.showModel(file);
     this.view.look();
     await this.change({ model: file });
-    if (shape!.notes !== "") this.onMessage(shape!.notes, false);
+    this.tell([this.model!.notes, ...notes]);
+  }
+
+  /** Adds files to the open model that belong to it. */
+  async addCompanions(files: readonly NamedFile[]): Promise<void> {
+    const { model } = this.document;
+    if (!model)
+      throw new Error(
+        `${files.map(({ name }) => name).join(", ")}: drop it together with its model`,
+      );
+    const added = withCompanions(model, files);
+    const notes = await this.showLook(added);
+    await this.change({ model: added });
+    this.tell(notes);
+  }
+
+  private tell(notes: string[]): void {
+    const text = notes.filter((note) => note !== "").join("; ");
+    if (text !== "") this.onMessage(text, false);
   }
 
   /** Opens a lattice; or a pose, if it has the cells of the lattice that is open. */

@@ -5,13 +5,14 @@
 import { Vector3 } from "three";
 import { saveSoon, savedDocument } from "./autosave.ts";
 import { commandsFor, frameOf, makeAround, openExample, type Command, type Page } from "./commands.ts";
+import { isCompanion } from "./companions.ts";
 import { isEmpty, nearestVertex } from "./document.ts";
 import { Editor } from "./editor.ts";
 import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
 import { Gizmo } from "./gizmo.ts";
 import { onDrop, Pointer } from "./pointer.ts";
-import type { Axis, NamedFile, Rules, Transform } from "./protocol.ts";
+import type { Axis, ModelFile, NamedFile, Rules, Transform } from "./protocol.ts";
 import { fileWord } from "./program.ts";
 import * as selecting from "./selection.ts";
 import { kShapes, shapeCommand, type Sizes } from "./shapes.ts";
@@ -57,14 +58,23 @@ const read = async (file: File): Promise<NamedFile> => ({
   bytes: new Uint8Array(await file.arrayBuffer()),
 });
 
-function chooseFiles(accept: string, open: (file: NamedFile) => Promise<void>): void {
+/** Opens files, each together with the files that belong to models; or adds these to the model that is open. */
+async function openFiles(
+  files: Iterable<File>,
+  open: (file: ModelFile) => Promise<void>,
+): Promise<void> {
+  const all = await Promise.all([...files].map(read));
+  const companions = all.filter(isCompanion);
+  const others = all.filter((file) => !isCompanion(file));
+  for (const file of others) await open(companions.length > 0 ? { ...file, companions } : file);
+  if (others.length === 0 && companions.length > 0) await editor.addCompanions(companions);
+}
+
+function chooseFiles(accept: string, open: (file: ModelFile) => Promise<void>): void {
   const input = find<HTMLInputElement>("#file");
   input.accept = accept;
   input.value = "";
-  input.onchange = () =>
-    void editor.attempt(async () => {
-      for (const file of input.files ?? []) await open(await read(file));
-    });
+  input.onchange = () => void editor.attempt(() => openFiles(input.files ?? [], open));
   input.click();
 }
 
@@ -79,9 +89,7 @@ function save(name: string, content: Blob | Uint8Array): void {
 }
 
 onDrop(find("main"), (files) =>
-  editor.attempt(async () => {
-    for (const file of files) await editor.openFile(await read(file));
-  }),
+  editor.attempt(() => openFiles(files, (file) => editor.openFile(file))),
 );
 
 // ---- Commands and keys -----------------------------------------------------------------------------------
@@ -340,6 +348,7 @@ function refresh(): void {
   setting("level").value = work.settings.limit ? "limit" : String(work.settings.level);
   setting("outside").value = work.settings.outside;
   setting("normals").value = work.settings.normals ?? "turn";
+  find<HTMLInputElement>('[data-shown="materials"]').disabled = !view.hasLook;
   setting("normals").disabled = !editor.model?.hasDirections;
   for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
     rule.value = work.rules[rule.dataset.rule as keyof Rules];

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the commands of the program that make what the page shows.
 
+import { takenExtension } from "./companions.ts";
 import { kEmptyDocument, type Document, type Pose } from "./document.ts";
 import { nameOf } from "./editor.ts";
 
 export const fileName = (pose: Pose) =>
   `${pose.name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-")}.vtu`;
 
-export function deformedName(document: Document): string {
-  const { name } = document.model!;
-  return `${nameOf(document.model!)}-deformed${name.slice(name.lastIndexOf("."))}`;
-}
+export const deformedName = ({ model }: Document) =>
+  `${nameOf(model!)}-deformed${takenExtension(model!)}`;
 
 /** A word as a shell needs it. */
 export const word = (text: string) =>

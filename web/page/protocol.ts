@@ -11,12 +11,44 @@ export interface NamedFile {
   readonly bytes: Uint8Array;
 }
 
+/** A model, with files that belong to it: pictures, an .mtl, the .bin of a .gltf. */
+export interface ModelFile extends NamedFile {
+  readonly companions?: readonly NamedFile[];
+}
+
+/** Triangles of one material. */
+export interface DrawnPart {
+  /** the first of its numbers in `triangles`, and how many it has there */
+  start: number;
+  count: number;
+  /** -1 for none */
+  material: number;
+}
+
+/** The triangles of a model, and the vertices that they draw: the points, and copies of points that have several
+ * texture coordinates or shades. */
+export interface DrawnModel {
+  /** 3 drawn vertices for each triangle; empty for a cloud of points */
+  triangles: Uint32Array;
+  /** empty if the model has no materials */
+  parts: DrawnPart[];
+  /** the points of the drawn vertices that follow the points */
+  copies: Uint32Array;
+  /** for each drawn vertex the drawn vertex that has its normal; empty if each has its own */
+  normalsFrom: Uint32Array;
+  /** two numbers for each drawn vertex */
+  textures: Float32Array | null;
+  /** red, green and blue in sRGB, and the opacity, of each drawn vertex */
+  colors: Float32Array | null;
+}
+
 /** What the page draws of a model. */
 export interface ModelShape {
   /** as the file has them: 3 numbers for each point */
   points: Float64Array;
-  /** 3 points for each triangle; empty for a cloud of points */
-  triangles: Uint32Array;
+  drawn: DrawnModel;
+  /** the names of the materials */
+  materials: string[];
   faceCount: number;
   /** whether the file has normals, tangents or splats */
   hasDirections: boolean;
@@ -139,14 +171,14 @@ export interface Transformed {
 
 /** A file to take home. */
 export type Product =
-  | { kind: "model"; pose: Float64Array }
+  | { kind: "model"; pose: Float64Array; extension: string }
   | { kind: "lattice"; positions: Float64Array; extension: ".vtu" | ".obj" }
   | { kind: "matrix" };
 
 /** All jobs of the worker. */
 export interface Jobs {
   /** Reads a model, which becomes the model of the jobs that follow; null closes it. */
-  openModel(file: NamedFile | null): ModelShape | null;
+  openModel(file: ModelFile | null): ModelShape | null;
   /** Reads a lattice from any lattice file. */
   readLattice(file: NamedFile): LatticeFile;
   /** Makes a lattice, around the open model if the recipe needs one. */

@@ -7,11 +7,14 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import type { BoundaryFace, CellSurface, LatticeShape } from "./protocol.ts";
+import { asSurface, type Look } from "./appearance.ts";
+import type { BoundaryFace, CellSurface, DrawnModel, LatticeShape } from "./protocol.ts";
 
 /** What is shown. */
 export interface Shown {
   model: boolean;
+  /** the materials and the colours of the model; without them it is clay */
+  materials: boolean;
   lattice: boolean;
   /** the refined cells of the lattice */
   cells: boolean;
@@ -107,17 +110,41 @@ function attribute(
   geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
 }
 
-/** Replaces an attribute, or its numbers if there are as many. */
-function setPositions(geometry: THREE.BufferGeometry, positions: Float32Array): void {
-  const old = geometry.getAttribute("position") as THREE.BufferAttribute | undefined;
-  if (old && old.array.length === positions.length) {
-    old.array.set(positions);
-    old.needsUpdate = true;
-  } else attribute(geometry, "position", positions.slice(), 3);
+/** Replaces an attribute, or its numbers if there are as many.
+ * @param copies the vertices that come once more after the others
+ */
+function setPositions(
+  geometry: THREE.BufferGeometry,
+  positions: Float32Array,
+  copies: Uint32Array = new Uint32Array(0),
+): void {
+  const length = positions.length + 3 * copies.length;
+  if (geometry.getAttribute("position")?.array.length !== length)
+    attribute(geometry, "position", new Float32Array(length), 3);
+  const { array } = geometry.getAttribute("position") as THREE.BufferAttribute;
+  array.set(positions);
+  for (let i = 0, at = positions.length; i < copies.length; ++i, at += 3)
+    array.copyWithin(at, 3 * copies[i], 3 * copies[i] + 3);
+  geometry.getAttribute("position").needsUpdate = true;
 }
 
-/** Sets each normal to the mean of the normals of the triangles at the point, by their areas. */
-function setNormals(geometry: THREE.BufferGeometry, triangles: Uint32Array): void {
+/** Colours for shaders, of colours in sRGB with opacities. */
+function linear(colors: Float32Array): Float32Array {
+  const result = colors.slice();
+  const color = new THREE.Color();
+  for (let i = 0; i < result.length; i += 4)
+    color.setRGB(colors[i], colors[i + 1], colors[i + 2], THREE.SRGBColorSpace).toArray(result, i);
+  return result;
+}
+
+/** Sets each normal to the mean of the normals of the triangles at the vertex, by their areas.
+ * @param from for each vertex the vertex that has its normal; empty if each has its own
+ */
+function setNormals(
+  geometry: THREE.BufferGeometry,
+  triangles: Uint32Array,
+  from: Uint32Array,
+): void {
   const points = geometry.getAttribute("position").array as Float32Array;
   const old = geometry.getAttribute("normal") as THREE.BufferAttribute | undefined;
   if (!old || old.array.length !== points.length)
@@ -148,6 +175,8 @@ function setNormals(geometry: THREE.BufferGeometry, triangles: Uint32Array): voi
     sums[i + 1] /= length;
     sums[i + 2] /= length;
   }
+  for (let v = 0; v < from.length; ++v)
+    if (from[v] !== v) sums.copyWithin(3 * v, 3 * from[v], 3 * from[v] + 3);
   normal.needsUpdate = true;
 }
 
@@ -158,7 +187,14 @@ export class View {
   /** Called after the camera has turned. */
   onTurn: () => void = () => {};
   readonly canvas: HTMLCanvasElement;
-  shown: Shown = { model: true, lattice: true, cells: false, cut: "", cutAt: 0.5 };
+  shown: Shown = {
+    model: true,
+    materials: true,
+    lattice: true,
+    cells: false,
+    cut: "",
+    cutAt: 0.5,
+  };
 
   private readonly perspective = new THREE.PerspectiveCamera(35, 1, 0.01, 1000);
   private readonly parallel = new THREE.OrthographicCamera();
@@ -169,9 +205,18 @@ export class View {
   private readonly colours: Record<string, THREE.Color> = {};
   private frameIsAsked = false;
 
-  private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
-  private readonly cloud: THREE.Points;
-  private triangles: Uint32Array = new Uint32Array(0);
+  private readonly clay = asSurface(new THREE.MeshStandardMaterial({ roughness: 0.62 }));
+  /** clay with the colours of the points */
+  private readonly colouredClay = asSurface(
+    new THREE.MeshStandardMaterial({ roughness: 0.62, vertexColors: true }),
+  );
+  private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.Material | THREE.Material[]>;
+  private readonly cloud: THREE.Points<THREE.BufferGeometry, THREE.PointsMaterial>;
+  private drawn: DrawnModel | null = null;
+  private pointCount = 0;
+  /** the corners of the triangles, as the vertices that have their normals */
+  private cornersOfNormals: Uint32Array = new Uint32Array(0);
+  private materials: Look["materials"] = [];
   /** dots on the points outside the lattice, on pulled and on pinned points */
   private readonly marks = { outside: new Marks(5), pulls: new Marks(13), pins: new Marks(11) };
 
@@ -199,14 +244,7 @@ export class View {
     this.controls = this.newControls();
     this.addLights();
 
-    const clay = new THREE.MeshStandardMaterial({
-      roughness: 0.62,
-      side: THREE.DoubleSide,
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 1,
-    });
-    this.model = new THREE.Mesh(new THREE.BufferGeometry(), clay);
+    this.model = new THREE.Mesh(new THREE.BufferGeometry(), this.clay);
     this.cloud = new THREE.Points(
       this.model.geometry,
       new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }),
@@ -296,8 +334,8 @@ export class View {
       "panel",
     ])
       this.colours[name] = new THREE.Color(style.getPropertyValue(`--${name}`).trim());
-    this.model.material.color = this.colours.model;
-    (this.cloud.material as THREE.PointsMaterial).color = this.colours.model;
+    this.clay.color = this.colours.model;
+    this.chooseMaterials();
     this.foldedFaces.material.color = this.colours.bad;
     for (const points of this.corners) points.material.uniforms.rim.value = this.colours.panel;
     this.colourMarks();
@@ -308,30 +346,81 @@ export class View {
 
   // ---- Model -----------------------------------------------------------------------------------------
 
-  setModel(points: Float32Array, triangles: Uint32Array): void {
-    this.model.geometry.dispose();
-    this.model.geometry = new THREE.BufferGeometry();
-    this.cloud.geometry = this.model.geometry;
-    this.triangles = triangles;
-    if (triangles.length > 0) this.model.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+  /** @param drawn null for no model */
+  setModel(points: Float32Array, drawn: DrawnModel | null): void {
+    const { model, cloud } = this;
+    model.geometry.dispose();
+    const geometry = (model.geometry = cloud.geometry = new THREE.BufferGeometry());
+    this.drawn = drawn;
+    this.pointCount = points.length / 3;
+    if (drawn) {
+      const { triangles, textures, colors, normalsFrom } = drawn;
+      if (triangles.length > 0) geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+      if (textures) attribute(geometry, "uv", textures, 2);
+      if (colors) attribute(geometry, "color", linear(colors), 4);
+      this.cornersOfNormals =
+        normalsFrom.length > 0 ? triangles.map((v) => normalsFrom[v]) : triangles;
+    }
     this.setOutside(new Uint32Array(0));
+    this.setLook([]);
     this.setPoints(points);
   }
 
+  /** Sets the materials of the model, which are its own from now on. */
+  setLook(materials: Look["materials"]): void {
+    for (const material of this.materials) {
+      for (const map of Object.values(material ?? {}))
+        if (map instanceof THREE.Texture) map.dispose();
+      material?.dispose();
+    }
+    this.materials = materials;
+    this.chooseMaterials();
+    this.ask();
+  }
+
+  /** Whether the model has materials or colours. */
+  get hasLook(): boolean {
+    return Boolean(this.drawn?.colors) || this.materials.some((material) => material !== null);
+  }
+
+  private chooseMaterials(): void {
+    const { drawn, model, cloud, materials } = this;
+    const hasColours = this.shown.materials && Boolean(drawn?.colors);
+    const clay = hasColours ? this.colouredClay : this.clay;
+    model.geometry.clearGroups();
+    model.material = clay;
+    if (drawn && this.shown.materials && materials.some((material) => material !== null)) {
+      const parts =
+        drawn.parts.length > 0 ? drawn.parts : [{ start: 0, count: Infinity, material: 0 }];
+      parts.forEach(({ start, count }, i) => model.geometry.addGroup(start, count, i));
+      model.material = parts.map(({ material }) => materials[material] ?? clay);
+    }
+    cloud.material.color = hasColours ? new THREE.Color(1, 1, 1) : this.colours.model;
+    cloud.material.vertexColors = hasColours;
+    cloud.material.needsUpdate = true;
+  }
+
   setPoints(points: Float32Array): void {
-    setPositions(this.model.geometry, points);
-    if (this.triangles.length > 0) setNormals(this.model.geometry, this.triangles);
-    this.model.geometry.boundingSphere = null;
-    this.model.geometry.boundingBox = null;
+    const { geometry } = this.model;
+    setPositions(geometry, points, this.drawn?.copies);
+    if (this.hasFaces) setNormals(geometry, this.cornersOfNormals, this.drawn!.normalsFrom);
+    geometry.boundingSphere = null;
+    geometry.boundingBox = null;
     this.around = null;
     for (const marks of Object.values(this.marks)) marks.place(points);
     this.ask();
   }
 
+  private get hasFaces(): boolean {
+    return this.drawn !== null && this.drawn.triangles.length > 0;
+  }
+
   /** The points of the model that are shown. */
   get points(): Float32Array {
     const position = this.model.geometry.getAttribute("position");
-    return position ? (position.array as Float32Array) : new Float32Array(0);
+    return position
+      ? (position.array as Float32Array).subarray(0, 3 * this.pointCount)
+      : new Float32Array(0);
   }
 
   setOutside(points: Uint32Array): void {
@@ -510,6 +599,7 @@ export class View {
 
   setShown(shown: Shown): void {
     this.shown = shown;
+    this.chooseMaterials();
     this.rebuildCells();
     this.ask();
   }
@@ -681,8 +771,7 @@ export class View {
 
   draw(): void {
     this.frameIsAsked = false;
-    const { shown } = this;
-    const hasFaces = this.triangles.length > 0;
+    const { shown, hasFaces } = this;
     this.model.visible = shown.model && hasFaces;
     this.cloud.visible = shown.model && !hasFaces && this.points.length > 0;
     for (const marks of Object.values(this.marks)) {
@@ -780,9 +869,12 @@ export class View {
 
   /** The point of the model that is nearest to the place where the pointer meets it. */
   pointAt(x: number, y: number): number | null {
-    const [found] = this.triangles.length > 0 ? this.hits(x, y, this.model) : [];
+    const [found] = this.hasFaces ? this.hits(x, y, this.model) : [];
     if (!found?.face) return null;
-    const { a, b, c } = found.face;
+    const { pointCount } = this;
+    const [a, b, c] = [found.face.a, found.face.b, found.face.c].map((v) =>
+      v < pointCount ? v : this.drawn!.copies[v - pointCount],
+    );
     const gap = (point: number) =>
       new THREE.Vector3().fromArray(this.points, 3 * point).distanceTo(found.point);
     return [a, b, c].sort((p, q) => gap(p) - gap(q))[0];

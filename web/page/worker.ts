@@ -17,6 +17,8 @@ import {
   type Table,
   type Validity,
 } from "../library/espalier.ts";
+import { buffersBeside, isGltf } from "./companions.ts";
+import { drawnModel } from "./drawn.ts";
 import type {
   Answer,
   Axis,
@@ -107,20 +109,6 @@ function using<Object extends { free(): void }, T>(object: Object, use: (object:
 
 const fileOf = (made: Lattice): LatticeFile =>
   using(made, () => ({ bytes: made.write(".vtu"), positions: made.positions() }));
-
-/** Cuts polygons into triangles that meet at the first corner of each. */
-function trianglesOf(offsets: ArrayLike<number>, corners: ArrayLike<number>): Uint32Array {
-  const faceCount = offsets.length - 1;
-  const triangles = new Uint32Array(3 * Math.max(0, corners.length - 2 * faceCount));
-  let end = 0;
-  for (let face = 0; face < faceCount; ++face)
-    for (let i = offsets[face] + 1; i + 1 < offsets[face + 1]; ++i) {
-      triangles[end++] = corners[offsets[face]];
-      triangles[end++] = corners[i];
-      triangles[end++] = corners[i + 1];
-    }
-  return triangles.subarray(0, end);
-}
 
 /** For each face the cells that have it, with the sign of the face in each. */
 function cellsAtFaces(refiner: Refiner, level: number) {
@@ -270,11 +258,11 @@ function deformed(pose: Float64Array): Float64Array {
 }
 
 /** The file of the model for a pose, as `espalier deform` writes it. */
-function writeModel(pose: Float64Array): Uint8Array {
+function writeModel(pose: Float64Array, extension: string): Uint8Array {
   const { file, points } = openModelNow();
   const { binding, hasGradients } = openOr(bound, "binding");
   const gradients = hasGradients ? binding.gradients(pose, points.length / 3) : undefined;
-  return file.write(deformed(pose), gradients);
+  return file.write(deformed(pose), gradients, extension);
 }
 
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
@@ -361,16 +349,19 @@ const jobs: Jobs = {
       closeModel();
       return null;
     }
-    const read = library.readModel(file.name, file.bytes);
+    const read = library.readModel(file.name, file.bytes, buffersBeside(file));
     try {
       const points = read.points();
-      const { offsets, corners } = read.faces();
+      const faces = read.faces();
+      const appearance = read.appearance();
+      const drawn = drawnModel(points, faces, appearance, isGltf(file.name));
       closeModel();
       model = { file: read, points };
       return {
         points,
-        triangles: trianglesOf(offsets, corners),
-        faceCount: offsets.length - 1,
+        drawn,
+        materials: appearance.materials,
+        faceCount: faces.offsets.length - 1,
         hasDirections: read.hasDirections(),
         notes: read.notes(),
       };
@@ -477,7 +468,7 @@ const jobs: Jobs = {
   write(product) {
     switch (product.kind) {
       case "model":
-        return writeModel(product.pose);
+        return writeModel(product.pose, product.extension);
       case "lattice": {
         const { file, rest } = openLatticeNow();
         file.setPositions(product.positions);
