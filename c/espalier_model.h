@@ -57,6 +57,9 @@ typedef struct espalier_appearance {
     /// For each point red, green and blue as screens show them (sRGB), and the opacity: 0 to 1.
     const float* colors;
 
+    /// For each point the covariance xx, xy, xz, yy, yz and zz of its Gaussian splat.
+    const float* covariances;
+
     int32_t material_count;
     const char* const* materials;   ///< names: of an .obj in the order of their first use; of glTF
                                     ///< of all materials, which may be empty

@@ -150,6 +150,7 @@ espalier_status espalier_model_appearance(const espalier_model* model,
         result.normals = c::numbersOf(surface.normals);
         result.normal_corners = c::numbersOf(surface.normalCorners);
         result.colors = c::numbersOf(surface.colors);
+        result.covariances = c::numbersOf(surface.covariances);
         result.material_count = static_cast<std::int32_t>(materials.pointers.size());
         result.materials = c::numbersOf(materials.pointers);
         result.face_materials = c::numbersOf(surface.faceMaterials);

@@ -110,6 +110,10 @@ struct ModelSurface {
     /// Empty if some point has no colour.
     std::vector<std::array<float, 4>> colors;
 
+    /// Per point: the covariance xx, xy, xz, yy, yz and zz of its Gaussian splat. Empty if the
+    /// points are no splats; readAppearance() reads them.
+    std::vector<std::array<float, 6>> covariances;
+
     /// Names of materials, and per face the number of its material, or -1. Empty if no face has
     /// one. An OBJ lists the materials in the order of their first use. glTF lists all, with names
     /// that may be empty.
@@ -366,7 +370,8 @@ private:
 };
 
 /// Adds colours and texture coordinates that the file has as attributes of the points (PLY, VTK) to
-/// a surface that readSurface() returned without them, and removes them from its other data.
+/// a surface that readSurface() returned without them, and removes them from its other data. Adds
+/// the covariances of splats, and the colours that they have without harmonics.
 /// \throws FileError if the numbers are malformed
 /// \cost one pass over the file for each component
 ESPALIER_API void readAppearance(const Model& model, ModelSurface& surface);

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/io/model.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <vector>
+
+#include "splats.h"
 
 namespace espalier::io {
 namespace {
@@ -55,12 +59,57 @@ void readTextures(const std::vector<PointAttribute>& attributes, ModelSurface& s
     surface.textureCorners = surface.faces.corners;
 }
 
+/// Reads the numbers of attributes NAME_0, NAME_1, …
+std::vector<std::vector<double>> readNumbered(const std::vector<PointAttribute>& attributes,
+                                              const std::string& name, std::size_t count) {
+    std::vector<std::vector<double>> numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto found =
+            std::ranges::find(attributes, concat(name, "_", i), &PointAttribute::name);
+        if (found == attributes.end()) return {};
+        numbers.push_back(found->read());
+    }
+    return numbers;
+}
+
+/// Reads the covariances of splats.
+std::vector<std::array<float, 6>> readCovariances(const std::vector<PointAttribute>& attributes) {
+    const auto sizes = readNumbered(attributes, "scale", 3);
+    const auto turns = readNumbered(attributes, "rot", 4);
+    std::vector<std::array<float, 6>> covariances;
+    if (sizes.empty() || turns.empty()) return covariances;
+    for (std::size_t i = 0; i < sizes[0].size(); ++i)
+        covariances.push_back(
+            splatCovariance({sizes[0][i], sizes[1][i], sizes[2][i]},
+                            {turns[0][i], turns[1][i], turns[2][i], turns[3][i]}));
+    return covariances;
+}
+
+/// Takes the colours of splats from all sides: the harmonic of degree 0, and the opacity.
+void readSplatColors(const std::vector<PointAttribute>& attributes, ModelSurface& surface) {
+    constexpr double kHarmonic = 0.28209479177387814;  // 1 / (2 √π)
+    const auto harmonics = readNumbered(attributes, "f_dc", 3);
+    const auto found = std::ranges::find(attributes, "opacity", &PointAttribute::name);
+    if (harmonics.empty() || found == attributes.end()) return;
+    for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2"}) surface.removePointData(name);
+    const std::vector<double> opacities = take(*found, surface);
+    for (std::size_t i = 0; i < opacities.size(); ++i) {
+        auto& color = surface.colors.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c)
+            color[c] = static_cast<float>(std::clamp(0.5 + kHarmonic * harmonics[c][i], 0.0, 1.0));
+        color[3] = static_cast<float>(1 / (1 + std::exp(-opacities[i])));
+    }
+}
+
 }  // namespace
 
 void readAppearance(const Model& model, ModelSurface& surface) {
     const auto attributes = model.attributes();
     if (surface.colors.empty()) readColors(attributes, model.positions().size(), surface);
     if (surface.textureCorners.empty()) readTextures(attributes, surface);
+    if (model.directions().splats == 0) return;
+    surface.covariances = readCovariances(attributes);
+    if (surface.colors.empty()) readSplatColors(attributes, surface);
 }
 
 }  // namespace espalier::io

@@ -325,6 +325,25 @@ void carrySplat(const DeformationGradient& gradient, std::span<double> numbers) 
         std::copy_n(result.begin(), numbers.size(), numbers.begin());
 }
 
+std::array<float, 6> splatCovariance(const Point3& logarithms, const Quaternion& quaternion) {
+    double squares = 0;
+    for (const double number : quaternion) squares += number * number;
+    Quaternion unit = {1, 0, 0, 0};
+    if (squares > 0)
+        for (std::size_t i = 0; i < 4; ++i) unit[i] = quaternion[i] / std::sqrt(squares);
+    const Columns axes = matrixOf(unit);
+    std::array<float, 6> covariance;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j) {
+            double entry = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                entry += std::exp(2 * logarithms[k]) * axes[k][i] * axes[k][j];
+            covariance[at++] = static_cast<float>(entry);
+        }
+    return covariance;
+}
+
 void carryBinary(const FileSplats& splats, std::span<const DeformationGradient> gradients,
                  BinaryPart& part) {
     const auto count = static_cast<Offset>(part.endPoint - part.firstPoint);

@@ -5,6 +5,7 @@
 #include <espalier/base/deformation_gradient.h>
 #include <espalier/io/directions.h>
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <span>
@@ -55,6 +56,12 @@ bool isHarmonicCount(std::size_t count);
 /// finite
 ///        or too large for a float
 void carrySplat(const DeformationGradient& gradient, std::span<double> numbers);
+
+/// Returns the covariance xx, xy, xz, yy, yz and zz of a splat.
+/// \param logarithms s
+/// \param quaternion q; if it is 0, the axes of the splat are x, y and z
+std::array<float, 6> splatCovariance(const Point3& logarithms,
+                                     const std::array<double, 4>& quaternion);
 
 /// Says where a file has its splats, one per point. The file has the numbers of a splat in one row.
 /// The model does not store the numbers, since they would take 400 bytes per splat: they are read

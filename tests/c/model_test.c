@@ -162,7 +162,7 @@ static void test_appearance(void) {
     OK(espalier_model_read_bytes("a.obj", 8, "v 0 0 0\n", &model));
     OK(espalier_model_appearance(model, &look));
     CHECK(look.textures == NULL && look.texture_corners == NULL && look.texture_count == 0);
-    CHECK(look.normals == NULL && look.colors == NULL);
+    CHECK(look.normals == NULL && look.colors == NULL && look.covariances == NULL);
     espalier_model_destroy(model);
 }
 

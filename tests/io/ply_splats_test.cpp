@@ -274,6 +274,38 @@ TEST(PlySplats, AreNamedIfAFormatLacksThem) {
               "'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity'");
 }
 
+// One splat is long along x, is turned to y by a quaternion of length 2, and is red and opaque.
+TEST(PlySplats, AppearAsCovariancesAndColours) {
+    const SplatFile sample{"ascii", false};
+    const Names names = propertiesOf(9);
+    Rows rows = randomRows(names, 2, false);
+    const auto set = [&](const char* name, double value) {
+        rows[1][columnOf(names, name)] = value;
+    };
+    const double third = std::log(3), half = std::sqrt(0.5);
+    set("scale_0", third);
+    set("scale_1", 0);
+    set("scale_2", -third);
+    for (const char* name : {"rot_1", "rot_2"}) set(name, 0);
+    for (const char* name : {"rot_0", "rot_3"}) set(name, 2 * half);
+    set("f_dc_0", 0.25 / 0.28209479177387814);
+    set("f_dc_1", -9);
+    set("f_dc_2", 9);
+    set("opacity", std::log(4));
+    const auto model = readModel("a.ply", sample.file(names, rows));
+    ModelSurface surface = model->readSurface();
+    readAppearance(*model, surface);
+    ASSERT_EQ(surface.covariances.size(), 2u);
+    const std::array<float, 6> wanted = {1, 0, 0, 9, 0, 1 / 9.0F};
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_NEAR(surface.covariances[1][i], wanted[i], 1e-6) << i;
+    const std::array<float, 4> color = {0.75F, 0, 1, 0.8F};
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(surface.colors[1][i], color[i], 1e-6) << i;
+    EXPECT_EQ(model->checkTarget("b.glb"),
+              "b.glb: the .ply has data that are not written: splats; coordinates are rounded to "
+              "single precision");
+}
+
 TEST(PlySplats, ManyAreCarriedByAllThreads) {
     for (const char* format : {"ascii", "binary_big_endian"}) {
         const SplatFile sample{format, true};

@@ -23,6 +23,8 @@ export interface Appearance {
   normalCorners: Int32Array | null;
   /** for each point red, green and blue as screens show them (sRGB), and the opacity: 0 to 1 */
   colors: Float32Array | null;
+  /** for each point the covariance xx, xy, xz, yy, yz and zz of its Gaussian splat */
+  covariances: Float32Array | null;
   /** names: of an .obj in the order of their first use; of glTF of all materials, which may be empty */
   materials: string[];
   /** for each face the number of its material, or -1 */
@@ -68,7 +70,7 @@ export class Model extends Handle {
     const [faceCount, cornerCount] = [offsets.length - 1, corners.length];
     const pointCount = this.points().length / 3;
     return this.library.scoped((scope) => {
-      const out = scope.allocate(40);
+      const out = scope.allocate(44);
       this.library.call("espalier_model_appearance", this.address, out);
       // The fields of espalier_appearance: counts and pointers, 4 bytes each.
       const [
@@ -79,8 +81,8 @@ export class Model extends Handle {
         normals,
         normalCorners,
         ...others
-      ] = integersAt(core, out, 10);
-      const [colors, materialCount, materials, faceMaterials] = others;
+      ] = integersAt(core, out, 11);
+      const [colors, covariances, materialCount, materials, faceMaterials] = others;
       const integersOrNull = (at: number, count: number) =>
         at === 0 ? null : integersAt(core, at, count);
       return {
@@ -89,6 +91,7 @@ export class Model extends Handle {
         normals: normals === 0 ? null : doublesAt(core, normals, 3 * normalCount),
         normalCorners: integersOrNull(normalCorners, cornerCount),
         colors: colors === 0 ? null : floatsAt(core, colors, 4 * pointCount),
+        covariances: covariances === 0 ? null : floatsAt(core, covariances, 6 * pointCount),
         materials: this.texts(materials, materialCount),
         faceMaterials: integersOrNull(faceMaterials, faceCount),
       };

@@ -125,6 +125,7 @@ test("a model tells how it looks", () => {
     normals: Float64Array.of(0, 0, 1),
     normalCorners: Int32Array.of(0, 0, 0),
     colors: null,
+    covariances: null,
     materials: ["wood"],
     faceMaterials: Int32Array.of(0),
   });
