@@ -72,6 +72,7 @@ export function drawnModel(
     copies: Uint32Array.from(copies.values.subarray(0, copies.count)),
     normalsFrom: firstOfEach(shadeOf.values.subarray(0, count)),
     textures: uv ? gathered(count, 2, textureNumber) : null,
+    covariances: appearance.covariances,
     colors: colors ? gathered(count, 4, (v, c) => colors[4 * source(v) + c]) : null,
   };
 
@@ -79,6 +80,33 @@ export function drawnModel(
     const x = textures![2 * pairOf.values[vertex] + component] ?? 0; // A point in no face has none.
     return component === 1 && isDownward ? 1 - x : x;
   }
+}
+
+/** The covariances F Σ Fᵀ of splats. @param gradients F of each splat: nine numbers, row by row */
+export function carriedCovariances(
+  covariances: Float32Array,
+  gradients: Float64Array,
+): Float32Array {
+  const result = new Float32Array(covariances.length);
+  const half = new Float64Array(9); // F Σ
+  for (let s = 0, f = 0; s < covariances.length; s += 6, f += 9) {
+    const [xx, xy, xz] = [covariances[s], covariances[s + 1], covariances[s + 2]];
+    const [yy, yz, zz] = [covariances[s + 3], covariances[s + 4], covariances[s + 5]];
+    for (let row = 0; row < 9; row += 3) {
+      const [x, y, z] = [gradients[f + row], gradients[f + row + 1], gradients[f + row + 2]];
+      half[row] = x * xx + y * xy + z * xz;
+      half[row + 1] = x * xy + y * yy + z * yz;
+      half[row + 2] = x * xz + y * yz + z * zz;
+    }
+    let at = s;
+    for (let i = 0; i < 9; i += 3)
+      for (let j = i; j < 9; j += 3)
+        result[at++] =
+          half[i] * gradients[f + j] +
+          half[i + 1] * gradients[f + j + 1] +
+          half[i + 2] * gradients[f + j + 2];
+  }
+  return result;
 }
 
 /** An array of integers that grows. */

@@ -276,7 +276,7 @@ export class Editor {
       surface: this.open.cells,
     });
     this.open = { ...this.open, positions, exact };
-    if (result.points.length > 0) this.view.setPoints(result.points);
+    if (result.points.length > 0) this.view.setPoints(result.points, result.covariances);
     if (result.surface) this.view.setSurfacePositions(result.surface);
     await this.checkFolds(positions);
   }

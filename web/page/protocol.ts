@@ -40,6 +40,8 @@ export interface DrawnModel {
   textures: Float32Array | null;
   /** red, green and blue in sRGB, and the opacity, of each drawn vertex */
   colors: Float32Array | null;
+  /** the covariance xx, xy, xz, yy, yz and zz at rest of the Gaussian splat at each point */
+  covariances: Float32Array | null;
 }
 
 /** What the page draws of a model. */
@@ -142,6 +144,8 @@ export interface PoseRequest {
 export interface PoseResult {
   /** the points of the model; empty if nothing is bound */
   points: Float32Array;
+  /** of splats that turn with the model */
+  covariances?: Float32Array;
   /** the vertices of the cell surface, if it was asked for */
   surface?: Float32Array;
 }

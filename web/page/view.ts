@@ -9,6 +9,7 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { asSurface, type Look } from "./appearance.ts";
 import type { BoundaryFace, CellSurface, DrawnModel, LatticeShape } from "./protocol.ts";
+import { Splats } from "./splats.ts";
 
 /** What is shown. */
 export interface Shown {
@@ -212,6 +213,8 @@ export class View {
   );
   private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.Material | THREE.Material[]>;
   private readonly cloud: THREE.Points<THREE.BufferGeometry, THREE.PointsMaterial>;
+  /** what is shown of a cloud of splats instead of its points */
+  private splats: Splats | null = null;
   private drawn: DrawnModel | null = null;
   private pointCount = 0;
   /** the corners of the triangles, as the vertices that have their normals */
@@ -361,6 +364,7 @@ export class View {
       this.cornersOfNormals =
         normalsFrom.length > 0 ? triangles.map((v) => normalsFrom[v]) : triangles;
     }
+    this.setSplats(drawn?.covariances && drawn.colors ? new Splats(drawn.colors) : null);
     this.setOutside(new Uint32Array(0));
     this.setLook([]);
     this.setPoints(points);
@@ -400,7 +404,16 @@ export class View {
     cloud.material.needsUpdate = true;
   }
 
-  setPoints(points: Float32Array): void {
+  private setSplats(splats: Splats | null): void {
+    if (this.splats) this.scene.remove(this.splats.object);
+    this.splats?.dispose();
+    this.splats = splats;
+    if (splats) this.scene.add(splats.object);
+  }
+
+  /** @param covariances of splats; as at rest if they are missing */
+  setPoints(points: Float32Array, covariances = this.drawn?.covariances): void {
+    this.splats?.setShapes(points, covariances!);
     const { geometry } = this.model;
     setPositions(geometry, points, this.drawn?.copies);
     if (this.hasFaces) setNormals(geometry, this.cornersOfNormals, this.drawn!.normalsFrom);
@@ -773,7 +786,9 @@ export class View {
     this.frameIsAsked = false;
     const { shown, hasFaces } = this;
     this.model.visible = shown.model && hasFaces;
-    this.cloud.visible = shown.model && !hasFaces && this.points.length > 0;
+    const hasSplats = this.splats !== null && shown.materials;
+    this.cloud.visible = shown.model && !hasFaces && !hasSplats && this.points.length > 0;
+    if (this.splats) this.splats.object.visible = shown.model && hasSplats;
     for (const marks of Object.values(this.marks)) {
       marks.object.visible = shown.model && marks.count > 0;
       marks.object.material.uniforms.scale.value = this.renderer.getPixelRatio();
@@ -785,6 +800,8 @@ export class View {
     this.cells.material.transparent = !shown.cut;
     this.foldedFaces.visible = this.folded.size > 0;
     this.placePlanes();
+    if (this.splats?.object.visible)
+      this.splats.prepare(this.camera, this.renderer.getDrawingBufferSize(new THREE.Vector2()));
     this.renderer.render(this.scene, this.camera);
     this.onTurn();
   }

@@ -18,7 +18,7 @@ import {
   type Validity,
 } from "../library/espalier.ts";
 import { buffersBeside, isGltf } from "./companions.ts";
-import { drawnModel } from "./drawn.ts";
+import { carriedCovariances, drawnModel } from "./drawn.ts";
 import type {
   Answer,
   Axis,
@@ -30,6 +30,7 @@ import type {
   LatticeEdit,
   LatticeFile,
   LatticeShape,
+  PoseResult,
   Pull,
   Recipe,
   Request,
@@ -44,13 +45,20 @@ import { kAxes } from "./transforms.ts";
 let library: Espalier;
 
 /** The objects of the library that are open. Each group is freed when the group before it changes. */
-let model: { file: Model; points: Float64Array } | null = null;
+let model: OpenModel | null = null;
 let lattice: { file: Lattice; rest: Float64Array; refiner: Refiner } | null = null;
 /** The pull of a drag, and the displacements of its last frame. */
 let pulling: { key: string; pull: LatticePull; last?: Float64Array } | null = null;
 let bound: Bound | null = null;
 let surface: { level: number; evaluator: Evaluator } | null = null;
 let validity: { check: Validity; cells: Int32Array } | null = null;
+
+interface OpenModel {
+  file: Model;
+  points: Float64Array;
+  /** of splats */
+  covariances: Float32Array | null;
+}
 
 /** A binding, and what applies it. */
 interface Bound {
@@ -273,6 +281,13 @@ function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float
     : deformer.deform(positions);
 }
 
+/** The covariances of the splats of the model for a pose; null if it has none that turn. */
+function splatsOf(pose: Float64Array): Float32Array | null {
+  if (!model?.covariances || !bound?.hasGradients) return null;
+  const gradients = bound.binding.gradients(pose, model.points.length / 3);
+  return carriedCovariances(model.covariances, gradients);
+}
+
 /** Finer levels of larger lattices would cost more than they show. */
 const surfaceLevel = () => (openLatticeNow().file.counts()[3] > 3000 ? 1 : 2);
 
@@ -356,7 +371,7 @@ const jobs: Jobs = {
       const appearance = read.appearance();
       const drawn = drawnModel(points, faces, appearance, isGltf(file.name));
       closeModel();
-      model = { file: read, points };
+      model = { file: read, points, covariances: drawn.covariances };
       return {
         points,
         drawn,
@@ -436,8 +451,12 @@ const jobs: Jobs = {
     // Changes continue from the last evaluation in single precision: hence both.
     if (bound) points = pointsInSingle(positions, changedVertices);
     if (bound && exact) points = Float32Array.from(deformed(positions));
-    if (!withSurface || !surface) return { points };
-    return { points, surface: surface.evaluator.evaluate(Float32Array.from(positions)) };
+    const result: PoseResult = { points };
+    const covariances = splatsOf(positions);
+    if (covariances) result.covariances = covariances;
+    if (withSurface && surface)
+      result.surface = surface.evaluator.evaluate(Float32Array.from(positions));
+    return result;
   },
 
   foldedCells(positions) {

@@ -137,9 +137,9 @@ async function opened(page, files) {
   await until(page, () => globalThis.espalier.editor.document.model !== null);
 }
 
-/** The colours of the picture at points, seen from an axis, with nothing but the model. */
-async function coloursAt(page, points, axis = "z") {
-  await page.click(`#axes [title="Look from +${axis}"]`);
+/** The colours of the picture at points, seen from the end of an axis, with nothing but the model. */
+async function coloursAt(page, points, side = "+z") {
+  await page.evaluate((to) => document.querySelector(`#axes [title="Look from ${to}"]`).click(), side);
   await settled(page);
   return page.evaluate((all) => {
     const { view } = globalThis.espalier.editor;
@@ -169,7 +169,7 @@ function nameOf([red, green, blue, opacity]) {
   };
   return names[strong] ?? `${[red, green, blue]}`;
 }
-const names = async (page, points) => (await coloursAt(page, points)).map(nameOf);
+const namesOf = async (page, points, side) => (await coloursAt(page, points, side)).map(nameOf);
 
 const kQuarters = [
   [-0.5, 0.5, 0],
@@ -197,12 +197,12 @@ describe("the look of a model", () => {
         "square.obj": kSquareObj,
         "square.mtl": kSquareMtl,
       });
-      assert.deepEqual(await names(page, kQuarters), kColours);
+      assert.deepEqual(await namesOf(page, kQuarters), kColours);
       await widen(page);
       const wide = kQuarters.map(([x, y, z]) => [3 * x, y, z]);
-      assert.deepEqual(await names(page, wide), kColours);
+      assert.deepEqual(await namesOf(page, wide), kColours);
       await page.evaluate(() => document.querySelector('[data-shown="materials"]').click());
-      assert.deepEqual(await names(page, wide), ["grey", "grey", "grey", "grey"]);
+      assert.deepEqual(await namesOf(page, wide), ["grey", "grey", "grey", "grey"]);
     }));
 
   test("files that are missing are named, and come later; undo takes them away", () =>
@@ -216,13 +216,13 @@ describe("the look of a model", () => {
         await message(page),
         /^1 texture of square\.mtl is not here: drop Wood\.PNG together with the model$/,
       );
-      assert.deepEqual(await names(page, kQuarters), ["grey", "grey", "grey", "grey"]);
+      assert.deepEqual(await namesOf(page, kQuarters), ["grey", "grey", "grey", "grey"]);
       await drop(page, { "wood.png": kPicture });
       await until(page, () => globalThis.espalier.editor.document.model.companions.length === 2);
-      assert.deepEqual(await names(page, kQuarters), kColours);
+      assert.deepEqual(await namesOf(page, kQuarters), kColours);
       await page.keyboard.press("Control+z");
       await settled(page);
-      assert.deepEqual(await names(page, kQuarters), ["grey", "grey", "grey", "grey"]);
+      assert.deepEqual(await namesOf(page, kQuarters), ["grey", "grey", "grey", "grey"]);
     }));
 
   test("a .glb shows the picture inside it", () =>
@@ -234,7 +234,7 @@ describe("the look of a model", () => {
       writeFileSync(file("square.glb"), glb(json, Buffer.concat([numbers, kPicture])));
       await choose(page, "open", file("square.glb"));
       await until(page, () => globalThis.espalier.editor.document.model !== null);
-      assert.deepEqual(await names(page, kQuarters), kColours);
+      assert.deepEqual(await namesOf(page, kQuarters), kColours);
     }));
 
   test("a .gltf with its .bin and its picture is opened, posed and taken home", () =>
@@ -249,10 +249,10 @@ describe("the look of a model", () => {
       );
       assert.equal(await page.evaluate(() => globalThis.espalier.editor.document.model), null);
       await opened(page, { "square.gltf": text, "square.bin": numbers, "my wood.png": kPicture });
-      assert.deepEqual(await names(page, kQuarters), kColours);
+      assert.deepEqual(await namesOf(page, kQuarters), kColours);
       await widen(page);
       assert.deepEqual(
-        await names(
+        await namesOf(
           page,
           kQuarters.map(([x, y, z]) => [3 * x, y, z]),
         ),
@@ -300,7 +300,7 @@ describe("the look of a model", () => {
         ].join("\n") + "\n";
       await opened(page, { "colours.ply": ply(["4 0 1 2 3"]) });
       assert.deepEqual(
-        await names(page, [
+        await namesOf(page, [
           [0, -0.9, 0],
           [0, 0.9, 0],
         ]),
@@ -309,7 +309,7 @@ describe("the look of a model", () => {
       await drop(page, { "cloud.ply": ply([]) });
       await until(page, () => globalThis.espalier.editor.document.model.name === "cloud.ply");
       assert.deepEqual(
-        await names(page, [
+        await namesOf(page, [
           [1, -1, 0],
           [1, 1, 0],
         ]),
@@ -358,5 +358,43 @@ describe("the look of a model", () => {
       });
       assert.equal(points.length, 18);
       assert.equal(at, 2);
+    }));
+
+  test("splats are ellipses of their colours, from the back to the front, and turn with a pose", () =>
+    withPage(async (page) => {
+      const names =
+        "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
+      const [on, off, opaque] = [1.77, -1.77, 6];
+      const [long, round, thin] = [0.6, 0.5, 0.05].map(Math.log);
+      const rows = [
+        [0, 0, 1, on, off, off, opaque, long, thin, thin, 1, 0, 0, 0],
+        [0, 0, 0, off, off, on, opaque, round, round, round, 1, 0, 0, 0],
+      ];
+      const ply = [
+        "ply\nformat ascii 1.0\nelement vertex 2",
+        ...names.split(" ").map((name) => `property float ${name}`),
+        "end_header",
+        ...rows.map((row) => row.join(" ")),
+      ];
+      await opened(page, { "two.ply": ply.join("\n") + "\n" });
+      const places = [
+        [0, 0, 0.5],
+        [0.45, 0, 0.5],
+        [0, 0.45, 0.5],
+        [-1.8, 1.8, 0.5],
+      ];
+      assert.deepEqual(await namesOf(page, places), ["red", "red", "blue", "nothing"]);
+      assert.deepEqual(await namesOf(page, places.slice(0, 1), "−z"), ["blue"]);
+      await makeBox(page, 1);
+      await page.keyboard.press("a");
+      await page.evaluate(() => {
+        const { editor } = globalThis.espalier;
+        return editor.transform({ kind: "rotate", axis: "z", degrees: 90, center: [0, 0, 0] });
+      });
+      await settled(page);
+      assert.deepEqual(await namesOf(page, places), ["red", "blue", "red", "nothing"]);
+      await page.selectOption('[data-setting="normals"]', "keep");
+      await settled(page);
+      assert.deepEqual(await namesOf(page, places), ["red", "red", "blue", "nothing"]);
     }));
 });
