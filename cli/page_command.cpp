@@ -82,7 +82,9 @@ nlohmann::ordered_json fileToJson(const std::string& path, const std::string& by
 std::string filesAsJson(const PageOptions& options) {
     const std::string model = readForPage(options.model, {io::FileContent::Model});
     tellNotes(options.model, *io::readModel(options.model, model), options.common);
-    nlohmann::ordered_json json = {{"version", 1}, {"model", fileToJson(options.model, model)}};
+    nlohmann::ordered_json json = {
+        {"version", 1},
+        {"models", nlohmann::ordered_json::array({fileToJson(options.model, model)})}};
     auto poses = nlohmann::ordered_json::array();
     if (!options.rest.empty()) {
         const std::string bytes = readForPage(options.rest, {io::FileContent::Lattice});

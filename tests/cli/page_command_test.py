@@ -44,12 +44,12 @@ class Page(CliTest):
 
     def test_files_and_options(self):
         files = self.page("model.obj")
-        self.assertEqual(set(files), {"version", "model", "poses", "options"})
+        self.assertEqual(set(files), {"version", "models", "poses", "options"})
         self.assertEqual((files["version"], files["poses"]), (1, []))
         self.assertEqual(files["options"], {"level": 3, "limit": False})
-        self.assert_holds(files["model"], "model.obj")
+        self.assert_holds(files["models"][0], "model.obj")
         files = self.page("model.obj", "--rest", "rest.vtu", "--to", "pose.vtu", "editor.obj", "-n", 2)
-        self.assert_holds(files["model"], "model.obj")
+        self.assert_holds(files["models"][0], "model.obj")
         self.assert_holds(files["rest"], "rest.vtu")
         self.assert_holds(files["poses"][0], "pose.vtu")
         self.assert_holds(files["poses"][1], "editor.obj")
@@ -60,7 +60,7 @@ class Page(CliTest):
         name = "<!-- <script> & \" \\ .obj"
         os.rename(self.path / "model.obj", self.path / name)
         files = self.page(name)
-        self.assert_holds(files["model"], name)
+        self.assert_holds(files["models"][0], name)
         self.assertNotIn("<", re.search('files">(.*?)</script>', self.text("page.html"))[1])
 
     def test_the_empty_page_is_found(self):

@@ -2,6 +2,7 @@
 // Keeps the document in the browser, so that it is there again after the page was closed.
 
 import { kEmptyDocument, type Document } from "./document.ts";
+import type { ModelFile } from "./protocol.ts";
 
 const kStore = "documents";
 const kKey = "last";
@@ -35,12 +36,17 @@ async function withStore<T>(
   }
 }
 
+/** A document as this page or an older one, which had one model, saved it. */
+type SavedDocument = Document & { model?: ModelFile | null };
+
 /** The document that was saved last, if there is one and the browser gives it. */
 export async function savedDocument(): Promise<Document | null> {
   try {
-    const saved = await withStore<Document>("readonly", (store) => store.get(kKey));
+    const saved = await withStore<SavedDocument>("readonly", (store) => store.get(kKey));
+    if (!saved) return null;
     // An older page may have saved it, without the fields that are new.
-    return saved ? { ...kEmptyDocument, ...saved } : null;
+    const { model, ...document } = saved;
+    return { ...kEmptyDocument, ...document, models: saved.models ?? (model ? [model] : []) };
   } catch {
     return null; // The browser keeps nothing, in a private window say.
   }

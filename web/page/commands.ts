@@ -5,11 +5,12 @@
 import { Vector3 } from "three";
 import { kCompanions, takenExtension } from "./companions.ts";
 import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
-import { kWeldTolerance, type Editor } from "./editor.ts";
+import { kWeldTolerance, nameOf, type Editor } from "./editor.ts";
+import { pageWith } from "./embedded.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
-import { commandsOf, deformedName, fileName, fileWord } from "./program.ts";
+import { commandsOf, deformedName, fileName, matrixName, modelWords } from "./program.ts";
 import type { BoundaryFace, ModelFile, Product } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import type { Timeline } from "./timeline.ts";
@@ -23,7 +24,7 @@ export interface Page {
   pointer: Pointer;
   timeline: Timeline;
   /** Asks for files, and opens each. */
-  chooseFiles(accept: string, open: (file: ModelFile) => Promise<void>): void;
+  chooseFiles(accept: string, open: (files: ModelFile[]) => Promise<void>): void;
   save(name: string, content: Blob | Uint8Array): void;
   switchTheme(): void;
   /** Shows the controls as they are: which is chosen, and which can be used. */
@@ -41,6 +42,7 @@ export interface Command {
   /** what must be there */
   needs?:
     | "model"
+    | "models"
     | "lattice"
     | "selection"
     | "binding"
@@ -78,6 +80,11 @@ function directionOf(side: (typeof kSides)[number][0], up: "y" | "z"): Vector3 {
   const axis = { front, back: front, right, left: right, top, bottom: top }[side];
   return side === "back" || side === "left" || side === "bottom" ? axis.negate() : axis;
 }
+
+/** Opens files one after the other. */
+const each = (open: (file: ModelFile) => Promise<void>) => async (files: ModelFile[]) => {
+  for (const file of files) await open(file);
+};
 
 export function commandsFor(page: Page): Record<string, Command> {
   const { editor, gizmo, pointer, timeline } = page;
@@ -186,7 +193,11 @@ export function commandsFor(page: Page): Record<string, Command> {
   }
 
   const commandsNow = () =>
-    commandsOf(editor.document, editor.pose, editor.model?.hasDirections ?? false);
+    commandsOf(
+      editor.document,
+      editor.pose,
+      editor.models.map((model) => model.hasDirections),
+    );
 
   const take = (name: () => string, product: () => Product) => async () =>
     page.save(name(), await editor.write(product()));
@@ -252,17 +263,23 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Open a model",
       key: "o",
       run: () =>
-        page.chooseFiles([kModels, ...kCompanions].join(), (file) => editor.openModel(file)),
+        page.chooseFiles([kModels, ...kCompanions].join(), (files) => editor.openModels(files)),
+    },
+    "open beside": {
+      title: "Open more models beside: all follow the lattice",
+      needs: "models",
+      run: () =>
+        page.chooseFiles([kModels, ...kCompanions].join(), (files) => editor.openModels(files, true)),
     },
     "open lattice": {
       title: "Open a lattice, or a pose of it",
       key: "l",
-      run: () => page.chooseFiles(kLattices, (file) => editor.openLatticeOrPose(file)),
+      run: () => page.chooseFiles(kLattices, each((file) => editor.openLatticeOrPose(file))),
     },
     "join lattice": {
       title: "Join the cells of another lattice",
       needs: "lattice",
-      run: () => page.chooseFiles(kCellFiles, (file) => editor.joinLattice(file)),
+      run: () => page.chooseFiles(kCellFiles, each((file) => editor.joinLattice(file))),
     },
     example: { title: "Open a model in a lattice, with a pose", run: () => openBentExample(editor) },
     new: { title: "Begin anew", run: () => editor.change(kEmptyDocument) },
@@ -431,14 +448,14 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the deformed model home",
       key: "Ctrl+s",
       needs: "binding",
-      run: take(
-        () => deformedName(editor.document),
-        () => ({
-          kind: "model",
-          pose: editor.positions,
-          extension: takenExtension(editor.document.model!),
-        }),
-      ),
+      async run() {
+        for (const [model, file] of editor.document.models.entries()) {
+          const extension = takenExtension(file);
+          const pose = editor.positions;
+          const content = await editor.write({ kind: "model", model, pose, extension });
+          page.save(deformedName(file), content);
+        }
+      },
     },
     "save pose": {
       title: "Take the pose home",
@@ -476,10 +493,19 @@ export function commandsFor(page: Page): Record<string, Command> {
     "save matrix": {
       title: "Take the matrix of the deformation home",
       needs: "binding",
-      run: take(
-        () => "D.npz",
-        () => ({ kind: "matrix" }),
-      ),
+      async run() {
+        const { document } = editor;
+        for (const [model, file] of document.models.entries())
+          page.save(matrixName(document, file), await editor.write({ kind: "matrix", model }));
+      },
+    },
+    "save page": {
+      title: "Take this page home, with the models, the lattice and the poses inside: one file to send to somebody",
+      needs: "model",
+      async run() {
+        const [first] = editor.document.models;
+        page.save(`${first ? nameOf(first) : "lattice"}.html`, await pageWith(editor));
+      },
     },
     picture: {
       title: "Take a picture home",
@@ -565,15 +591,14 @@ export function commandsFor(page: Page): Record<string, Command> {
 }
 
 export async function openExample(editor: Editor, name: string): Promise<void> {
-  await editor.openModel(kExamples[name].make());
+  await editor.openModels([kExamples[name].make()]);
 }
 
 /** Makes a box of cells around the model.
  * @param cells along the longest side
  * @param margin room around the model, as a part of its size */
 export function makeAround(editor: Editor, cells: number, margin: number): Promise<void> {
-  const name = fileWord(editor.document.model!.name);
-  const command = `espalier shape around ${name} --cells ${cells} --margin ${margin} -o rest.vtu`;
+  const command = `espalier shape around ${modelWords(editor.document)} --cells ${cells} --margin ${margin} -o rest.vtu`;
   return editor.makeLattice({ kind: "around", options: { cellsAlongLongest: cells, margin } }, command);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A document is a model, a lattice at rest, poses of the lattice, and settings. A document never changes.
+// A document is some models, a lattice at rest, poses of the lattice, and settings. A document never changes.
 // An edit makes a new document, which shares all parts that stay. Undo shows the document before.
 
 import type { BindSettings, LatticeFile, ModelFile, Rules } from "./protocol.ts";
@@ -17,7 +17,8 @@ export interface RestLattice extends LatticeFile {
 }
 
 export interface Document {
-  readonly model: ModelFile | null;
+  /** All of them follow the lattice. */
+  readonly models: readonly ModelFile[];
   readonly lattice: RestLattice | null;
   readonly poses: readonly Pose[];
   /** 0 is the lattice at rest, i is pose i, counted from 1; fractions are between two poses */
@@ -29,7 +30,7 @@ export interface Document {
 }
 
 export const kEmptyDocument: Document = {
-  model: null,
+  models: [],
   lattice: null,
   poses: [],
   time: 0,
@@ -38,7 +39,7 @@ export const kEmptyDocument: Document = {
   rules: { rules: "siggraph96", boundary: "sharp", sharpEdges: "single-cell" },
 };
 
-export const isEmpty = (document: Document) => !document.model && !document.lattice;
+export const isEmpty = ({ models, lattice }: Document) => models.length === 0 && !lattice;
 
 /** The positions of pose `index`, where 0 is the lattice at rest. */
 function key(document: Document, index: number): Float64Array {
@@ -191,9 +192,10 @@ export class History {
 
   private isTooLarge(): boolean {
     const arrays = new Set<Uint8Array | Float64Array | null>();
-    for (const { model, lattice, poses } of this.documents) {
-      arrays.add(model?.bytes ?? null).add(lattice?.bytes ?? null);
-      for (const { bytes } of model?.companions ?? []) arrays.add(bytes);
+    for (const { models, lattice, poses } of this.documents) {
+      arrays.add(lattice?.bytes ?? null);
+      for (const model of models)
+        for (const { bytes } of [model, ...(model.companions ?? [])]) arrays.add(bytes);
       for (const pose of poses) arrays.add(pose.positions);
     }
     let bytes = 0;

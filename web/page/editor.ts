@@ -25,6 +25,7 @@ import type {
   LatticeFile,
   LatticeShape,
   ModelFile,
+  ModelPose,
   ModelShape,
   NamedFile,
   Product,
@@ -42,7 +43,7 @@ export const kWeldTolerance = 1e-3;
 
 /** What the worker and the view have. */
 interface Open {
-  model: ModelFile | null;
+  models: readonly ModelFile[];
   lattice: LatticeFile | null;
   rules: Document["rules"] | null;
   settings: Document["settings"] | null;
@@ -53,7 +54,7 @@ interface Open {
 }
 
 const kNothing: Open = {
-  model: null,
+  models: [],
   lattice: null,
   rules: null,
   settings: null,
@@ -68,7 +69,7 @@ export class Editor {
   /** Called with a message for the person. */
   onMessage: (text: string, isError: boolean) => void = () => {};
 
-  model: ModelShape | null = null;
+  models: ModelShape[] = [];
   shape: LatticeShape | null = null;
   binding: BindResult | null = null;
   folded: number[] = [];
@@ -186,42 +187,48 @@ export class Editor {
   }
 
   private async bring(document: Document): Promise<void> {
-    await this.bringModel(document);
+    await this.bringModels(document);
     await this.bringLattice(document);
     await this.bringBinding(document);
     await this.bringCells();
     await this.bringPose(document);
   }
 
-  private async bringModel({ model }: Document): Promise<void> {
-    if (this.open.model === model) return;
-    if (model && this.open.model?.bytes === model.bytes) {
-      await this.showLook(model);
+  private async bringModels({ models }: Document): Promise<void> {
+    const open = this.open.models;
+    if (open === models) return;
+    const isSame =
+      open.length === models.length && models.every(({ bytes }, i) => bytes === open[i].bytes);
+    if (isSame) {
+      await this.showLooks(models);
       return this.onChange();
     }
-    await this.showModel(model);
-    if (model && !this.document.lattice) this.view.look();
+    await this.showModels(models);
+    if (models.length > 0 && !this.document.lattice) this.view.look();
     this.onChange();
   }
 
-  /** Opens a model in the worker, and shows it as it is at rest. Returns notes on what is not shown. */
-  private async showModel(model: ModelFile | null): Promise<string[]> {
-    const shape = await this.engine.run("openModel", model);
-    this.model = shape;
-    this.open = { ...this.open, model, settings: null, positions: null };
+  /** Opens models in the worker, and shows them as they are at rest. Returns notes on what is not shown. */
+  private async showModels(models: readonly ModelFile[]): Promise<string[]> {
+    this.models = await this.engine.run("openModels", models);
+    this.open = { ...this.open, models, settings: null, positions: null };
     this.binding = null;
-    this.view.setModel(Float32Array.from(shape?.points ?? []), shape?.drawn ?? null);
-    return model ? this.showLook(model) : [];
+    this.view.setModels(this.models);
+    return this.showLooks(models);
   }
 
-  /** Shows the materials of the open model. */
-  private async showLook(model: ModelFile): Promise<string[]> {
-    const { materials, notes } = await lookOf(model, this.model!).catch((error: Error): Look => ({
-      materials: [],
-      notes: [`1 file of materials cannot be read: ${error.message}`],
-    }));
-    this.open = { ...this.open, model };
-    this.view.setLook(materials);
+  /** Shows the materials of the open models. */
+  private async showLooks(models: readonly ModelFile[]): Promise<string[]> {
+    const notes: string[] = [];
+    for (const [i, model] of models.entries()) {
+      const look = await lookOf(model, this.models[i]).catch((error: Error): Look => ({
+        materials: [],
+        notes: [`1 file of materials cannot be read: ${error.message}`],
+      }));
+      this.view.setLook(i, look.materials);
+      notes.push(...look.notes);
+    }
+    this.open = { ...this.open, models };
     return notes;
   }
 
@@ -238,10 +245,10 @@ export class Editor {
     this.onChange();
   }
 
-  private async bringBinding({ model, lattice, settings }: Document): Promise<void> {
-    if (!model || !lattice) {
-      if (model && this.open.positions === null && this.model) {
-        this.view.setPoints(Float32Array.from(this.model.points));
+  private async bringBinding({ models, lattice, settings }: Document): Promise<void> {
+    if (models.length === 0 || !lattice) {
+      if (this.open.positions === null) {
+        this.view.setModelPoses(this.models.map(atRest));
         this.view.setOutside(new Uint32Array(0));
       }
       return;
@@ -271,12 +278,11 @@ export class Editor {
     if (isShown) return this.checkFolds(positions);
     const result = await this.engine.run("pose", {
       positions,
-      changed: changedVertices(this.open.positions, positions),
       exact,
       surface: this.open.cells,
     });
     this.open = { ...this.open, positions, exact };
-    if (result.points.length > 0) this.view.setPoints(result.points, result.covariances);
+    if (result.models.length > 0) this.view.setModelPoses(result.models);
     if (result.surface) this.view.setSurfacePositions(result.surface);
     await this.checkFolds(positions);
   }
@@ -317,36 +323,53 @@ export class Editor {
     this.onMessage(error instanceof Error ? error.message : String(error), true);
   }
 
-  /** Opens a model, or a lattice, or a pose of the lattice: as the file is. */
-  async openFile(file: ModelFile): Promise<void> {
-    const extension = extensionOf(file.name);
-    if (
-      extension === ".ovm" ||
-      ((extension === ".vtu" || extension === ".vtk") && this.document.model)
-    )
-      await this.openLatticeOrPose(file);
-    else await this.openModel(file);
+  /** Opens models, lattices and poses of the lattice: each file as what it is. Of files that may be each of these, the
+   * first is the model, unless there is another. */
+  async openFiles(files: readonly ModelFile[]): Promise<void> {
+    const mayBeLattice = ({ name }: NamedFile) => [".ovm", ".vtu", ".vtk"].includes(extensionOf(name));
+    const models = files.filter((file) => !mayBeLattice(file));
+    const others = files.filter(mayBeLattice);
+    if (models.length === 0 && this.document.models.length === 0) {
+      const first = others.findIndex(({ name }) => extensionOf(name) !== ".ovm");
+      if (first >= 0) models.push(...others.splice(first, 1));
+    }
+    await this.openModels(models);
+    for (const file of others) await this.openLatticeOrPose(file);
   }
 
-  /** Opens a model. A lattice stays, with its poses. */
-  async openModel(file: ModelFile): Promise<void> {
-    // The worker reads it here already, so a file that cannot be read changes nothing.
-    const notes = await this.showModel(file);
+  /** Opens models in place of those that are open, or beside them. A lattice stays, with its poses. */
+  async openModels(files: readonly ModelFile[], beside = false): Promise<void> {
+    if (files.length === 0) return;
+    const models = beside ? [...this.document.models, ...files] : files;
+    // The worker reads them here already, so a file that cannot be read changes nothing.
+    const notes = await this.showModels(models);
     this.view.look();
-    await this.change({ model: file });
-    this.tell([this.model!.notes, ...notes]);
+    await this.change({ models });
+    this.tell([...this.models.map((model) => model.notes), ...notes]);
   }
 
-  /** Adds files to the open model that belong to it. */
+  /** Where a point is at rest. Points of several models are numbered one model after the other. */
+  restOf(point: number): number[] {
+    for (const { points } of this.models) {
+      if (3 * point < points.length) return [...points.subarray(3 * point, 3 * point + 3)];
+      point -= points.length / 3;
+    }
+    throw new Error(`there is no point ${point}`);
+  }
+
+  closeModel(index: number): Promise<void> {
+    return this.change({ models: this.document.models.filter((_, i) => i !== index) });
+  }
+
+  /** Adds files to the open models that belong to them. */
   async addCompanions(files: readonly NamedFile[]): Promise<void> {
-    const { model } = this.document;
-    if (!model)
+    if (this.document.models.length === 0)
       throw new Error(
         `${files.map(({ name }) => name).join(", ")}: drop it together with its model`,
       );
-    const added = withCompanions(model, files);
-    const notes = await this.showLook(added);
-    await this.change({ model: added });
+    const models = this.document.models.map((model) => withCompanions(model, files));
+    const notes = await this.showLooks(models);
+    await this.change({ models });
     this.tell(notes);
   }
 
@@ -498,14 +521,9 @@ export class Editor {
   }
 }
 
-/** The vertices that differ; undefined if there is nothing to compare with. */
-function changedVertices(from: Float64Array | null, to: Float64Array): Int32Array | undefined {
-  if (!from || from.length !== to.length) return undefined;
-  const result: number[] = [];
-  for (let v = 0; v < to.length; v += 3)
-    if (from[v] !== to[v] || from[v + 1] !== to[v + 1] || from[v + 2] !== to[v + 2])
-      result.push(v / 3);
-  return Int32Array.from(result);
-}
+const atRest = ({ points }: ModelShape): ModelPose => ({
+  points: Float32Array.from(points),
+  isCoarse: false,
+});
 
 export const nameOf = (file: NamedFile) => file.name.replace(/\.[^.]*$/, "");

@@ -156,12 +156,12 @@ export class Gizmo {
 
   /** Weights of 1 for the vertices that are nearer to the pulled points than their mirror images are. */
   private weightsOfPulledSide(axis: number): Float64Array {
-    const { document, model } = this.editor;
-    const rest = document.lattice!.positions;
+    const { editor } = this;
+    const rest = editor.document.lattice!.positions;
     const middle = centerOf(rest)[axis];
-    const pulled = centerOf(Float64Array.from(this.pulls.flatMap((p) => placeOf(model!.points, p))));
+    const pulled = centerOf(Float64Array.from(this.pulls.flatMap((point) => editor.restOf(point))));
     const side = Math.sign(pulled[axis] - middle) || 1;
-    const isOnSide = (v: number) => side * (rest[3 * v + axis] - middle) >= -1e-3 * this.editor.view.size;
+    const isOnSide = (v: number) => side * (rest[3 * v + axis] - middle) >= -1e-3 * editor.view.size;
     return Float64Array.from({ length: rest.length / 3 }, (_, v) => (isOnSide(v) ? 1 : 0));
   }
 

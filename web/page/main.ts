@@ -7,13 +7,14 @@ import { saveSoon, savedDocument } from "./autosave.ts";
 import { commandsFor, frameOf, makeAround, openExample, type Command, type Page } from "./commands.ts";
 import { isCompanion } from "./companions.ts";
 import { isEmpty, nearestVertex } from "./document.ts";
+import { bytesOf, embeddedFiles, openEmbedded } from "./embedded.ts";
 import { Editor } from "./editor.ts";
 import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
 import { Gizmo } from "./gizmo.ts";
 import { onDrop, Pointer } from "./pointer.ts";
 import type { Axis, ModelFile, NamedFile, Rules, Transform } from "./protocol.ts";
-import { fileWord } from "./program.ts";
+import { modelWords } from "./program.ts";
 import * as selecting from "./selection.ts";
 import { kShapes, shapeCommand, type Sizes } from "./shapes.ts";
 import { Timeline } from "./timeline.ts";
@@ -40,10 +41,6 @@ const timeline = new Timeline(
 const page: Page = { editor, gizmo, pointer, timeline, chooseFiles, save, switchTheme, refresh };
 const commands = commandsFor(page);
 
-function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
-  return Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-}
-
 /** espalier.wasm, which is inside the page. */
 async function libraryInPage(): Promise<Uint8Array> {
   const zipped = bytesOf(find("#espalier-wasm").textContent!);
@@ -58,19 +55,20 @@ const read = async (file: File): Promise<NamedFile> => ({
   bytes: new Uint8Array(await file.arrayBuffer()),
 });
 
-/** Opens files, each together with the files that belong to models; or adds these to the model that is open. */
+/** Opens files, together with the files that belong to models; or adds these to the models that are open. */
 async function openFiles(
   files: Iterable<File>,
-  open: (file: ModelFile) => Promise<void>,
+  open: (files: ModelFile[]) => Promise<void>,
 ): Promise<void> {
   const all = await Promise.all([...files].map(read));
   const companions = all.filter(isCompanion);
   const others = all.filter((file) => !isCompanion(file));
-  for (const file of others) await open(companions.length > 0 ? { ...file, companions } : file);
-  if (others.length === 0 && companions.length > 0) await editor.addCompanions(companions);
+  if (others.length > 0)
+    await open(companions.length > 0 ? others.map((file) => ({ ...file, companions })) : others);
+  else if (companions.length > 0) await editor.addCompanions(companions);
 }
 
-function chooseFiles(accept: string, open: (file: ModelFile) => Promise<void>): void {
+function chooseFiles(accept: string, open: (files: ModelFile[]) => Promise<void>): void {
   const input = find<HTMLInputElement>("#file");
   input.accept = accept;
   input.value = "";
@@ -89,7 +87,7 @@ function save(name: string, content: Blob | Uint8Array): void {
 }
 
 onDrop(find("main"), (files) =>
-  editor.attempt(() => openFiles(files, (file) => editor.openFile(file))),
+  editor.attempt(() => openFiles(files, (opened) => editor.openFiles(opened))),
 );
 
 // ---- Commands and keys -----------------------------------------------------------------------------------
@@ -110,6 +108,8 @@ function canRun({ needs }: Command): boolean {
       return editor.canRedo;
     case "model":
       return !isEmpty(document);
+    case "models":
+      return document.models.length > 0;
     case "lattice":
       return shape !== null;
     case "binding":
@@ -177,8 +177,7 @@ const pointOf = ({ x, y, z }: Values) => [Number(x), Number(y), Number(z)] as Po
 const forms: Record<string, (values: Values) => Promise<void>> = {
   around: ({ cells, margin }) => makeAround(editor, Number(cells), Number(margin)),
   cage({ vertices }) {
-    const name = fileWord(editor.document.model!.name);
-    const command = `espalier shape cage ${name} --vertices ${vertices} -o rest.vtu`;
+    const command = `espalier shape cage ${modelWords(editor.document)} --vertices ${vertices} -o rest.vtu`;
     return editor.makeLattice({ kind: "cage", vertices: Number(vertices) }, command);
   },
   shape({ kind, ...values }) {
@@ -319,12 +318,12 @@ const plural = (count: number, one: string) =>
   `${number(count)} ${count === 1 ? one : one === "vertex" ? "vertices" : `${one}s`}`;
 
 function refresh(): void {
-  const { document: work, model, shape, binding, folded } = editor;
+  const { document: work, models, shape, binding, folded } = editor;
   find("#start").hidden = !isEmpty(work);
-  put(
-    "model",
-    work.model && model ? `${work.model.name}, ${plural(model.points.length / 3, "point")}` : "",
-  );
+  const points = models.reduce((sum, model) => sum + model.points.length / 3, 0);
+  const names = work.models.length === 1 ? work.models[0].name : plural(work.models.length, "model");
+  put("model", work.models.length > 0 && points > 0 ? `${names}, ${plural(points, "point")}` : "");
+  showModels();
   put(
     "lattice",
     shape
@@ -349,7 +348,7 @@ function refresh(): void {
   setting("outside").value = work.settings.outside;
   setting("normals").value = work.settings.normals ?? "turn";
   find<HTMLInputElement>('[data-shown="materials"]').disabled = !view.hasLook;
-  setting("normals").disabled = !editor.model?.hasDirections;
+  setting("normals").disabled = !models.some((model) => model.hasDirections);
   for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
     rule.value = work.rules[rule.dataset.rule as keyof Rules];
   for (const button of findAll<HTMLButtonElement>("button[data-command]")) {
@@ -358,8 +357,8 @@ function refresh(): void {
     if (command.isChosen) button.setAttribute("aria-checked", String(command.isChosen()));
   }
   const needsOf: Record<string, Command["needs"]> = {
-    around: "model",
-    cage: "model",
+    around: "models",
+    cage: "models",
     extrude: "rest faces",
     shape: undefined,
   };
@@ -378,6 +377,24 @@ function refresh(): void {
   refreshDistance();
   timeline.refresh();
   gizmo.place();
+}
+
+/** The list of several models, each with a button that takes it out. */
+function showModels(): void {
+  const { models } = editor.document;
+  const shown = models.length > 1 ? models : [];
+  find("#models").replaceChildren(
+    ...shown.map(({ name }, i) => {
+      const item = document.createElement("li");
+      const button = document.createElement("button");
+      button.textContent = "×";
+      button.title = `Take ${name} out of the scene`;
+      button.setAttribute("aria-label", button.title);
+      button.addEventListener("click", () => void editor.attempt(() => editor.closeModel(i)));
+      item.append(name, button);
+      return item;
+    }),
+  );
 }
 
 function refreshPlace(): void {
@@ -429,7 +446,7 @@ editor.onMessage = (text, isError) => {
 message.querySelector("button")!.addEventListener("click", () => (message.hidden = true));
 
 const kJobTitles: Partial<Record<string, string>> = {
-  openModel: "Opening the model",
+  openModels: "Opening the model",
   bind: "Binding the points",
   makeLattice: "Making the lattice",
 };
@@ -493,37 +510,11 @@ setTheme(localStorage.getItem(kTheme) ?? (prefersDark.matches ? "dark" : "light"
 
 // ---- Start -----------------------------------------------------------------------------------------------------
 
-interface EmbeddedFiles {
-  model?: { name: string; data: string };
-  rest?: { name: string; data: string };
-  poses?: { name: string; data: string }[];
-  options?: { level?: number; limit?: boolean };
-}
-
-const decoded = ({ name, data }: { name: string; data: string }): NamedFile => ({
-  name,
-  bytes: bytesOf(data),
-});
-
-/** Opens the files that `espalier page` put into the page. */
-async function openEmbedded({ model, rest, poses = [], options }: EmbeddedFiles): Promise<void> {
-  if (options) await editor.change({ settings: { ...editor.document.settings, ...options } });
-  if (model) await editor.openModel(decoded(model));
-  if (rest) await editor.openLattice(decoded(rest));
-  for (const pose of poses) await editor.openLatticeOrPose(decoded(pose));
-  if (poses.length > 0) {
-    // The pose that a new lattice begins with is not one of them.
-    const own = editor.document.poses.slice(1);
-    await editor.change({ poses: own, time: own.length });
-  }
-  await editor.restart(editor.document);
-}
-
 async function start(): Promise<void> {
   refresh();
   view.look();
-  const embedded = find("#espalier-files").textContent!.trim();
-  if (embedded) return editor.attempt(() => openEmbedded(JSON.parse(embedded)));
+  const embedded = embeddedFiles();
+  if (embedded) return editor.attempt(() => openEmbedded(editor, embedded));
   const saved = await savedDocument();
   if (saved && !isEmpty(saved)) await editor.restart(saved);
 }

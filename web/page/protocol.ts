@@ -44,11 +44,20 @@ export interface DrawnModel {
   covariances: Float32Array | null;
 }
 
+/** Some of the points of a large model, and triangles between these. */
+export interface Coarse {
+  points: Uint32Array;
+  /** numbers in `points` */
+  triangles: Uint32Array;
+}
+
 /** What the page draws of a model. */
 export interface ModelShape {
   /** as the file has them: 3 numbers for each point */
   points: Float64Array;
   drawn: DrawnModel;
+  /** what may be drawn during a drag; null for a small model */
+  coarse: Coarse | null;
   /** the names of the materials */
   materials: string[];
   faceCount: number;
@@ -102,7 +111,7 @@ export interface BindSettings {
 }
 
 export interface BindResult {
-  /** the points that are not inside, ascending */
+  /** the points that are not inside, ascending; points of all models are numbered one model after the other */
   outside: Uint32Array;
   /** largest distance of a point at rest from its place in the lattice */
   residual: number;
@@ -133,24 +142,30 @@ export interface LatticeFile {
 
 export interface PoseRequest {
   positions: Float64Array;
-  /** the vertices that have moved since the last pose; all if it is missing */
-  changed?: Int32Array;
-  /** in double precision, as the program computes it; else in single precision, which is faster */
+  /** in double precision, as the program computes it; else in single precision, which is faster, and of the coarse
+   * models where there are some */
   exact: boolean;
   /** also moves the cell surface */
   surface: boolean;
 }
 
-export interface PoseResult {
-  /** the points of the model; empty if nothing is bound */
+/** Where a model is drawn. */
+export interface ModelPose {
+  /** all points of the model, or those of the coarse one */
   points: Float32Array;
+  isCoarse: boolean;
   /** of splats that turn with the model */
   covariances?: Float32Array;
+}
+
+export interface PoseResult {
+  /** one for each model; none if nothing is bound */
+  models: ModelPose[];
   /** the vertices of the cell surface, if it was asked for */
   surface?: Float32Array;
 }
 
-/** A point of the model that is pulled. */
+/** A point that is pulled, numbered as in BindResult. */
 export interface Pull {
   point: number;
   /** the target minus the place where the point is now */
@@ -175,23 +190,23 @@ export interface Transformed {
 
 /** A file to take home. */
 export type Product =
-  | { kind: "model"; pose: Float64Array; extension: string }
+  | { kind: "model"; model: number; pose: Float64Array; extension: string }
   | { kind: "lattice"; positions: Float64Array; extension: ".vtu" | ".obj" }
-  | { kind: "matrix" };
+  | { kind: "matrix"; model: number };
 
 /** All jobs of the worker. */
 export interface Jobs {
-  /** Reads a model, which becomes the model of the jobs that follow; null closes it. */
-  openModel(file: ModelFile | null): ModelShape | null;
+  /** Reads models, which become the models of the jobs that follow. */
+  openModels(files: readonly ModelFile[]): ModelShape[];
   /** Reads a lattice from any lattice file. */
   readLattice(file: NamedFile): LatticeFile;
-  /** Makes a lattice, around the open model if the recipe needs one. */
+  /** Makes a lattice, around the open models if the recipe needs one. */
   makeLattice(recipe: Recipe): LatticeFile;
   /** Changes the open lattice; the result must be opened to be used. */
   editLattice(edit: LatticeEdit): LatticeFile;
   /** Opens a lattice that readLattice(), makeLattice() or editLattice() gave; null closes it. */
   openLattice(bytes: Uint8Array | null, rules: Rules): LatticeShape | null;
-  /** Binds the open model to the open lattice. */
+  /** Binds the open models to the open lattice. */
   bind(settings: BindSettings): BindResult;
   cellSurface(): CellSurface;
   pose(request: PoseRequest): PoseResult;
@@ -201,7 +216,7 @@ export interface Jobs {
   readPose(file: NamedFile): Float64Array;
   /** The positions of the vertices of the lattice that pull points of the model, while the cells stay as rigid as
    * they can. Calls with the same points, pins and positions are the frames of one drag.
-   * @param pins points of the model that stay
+   * @param pins points that stay
    * @param positions of the vertices before the drag
    */
   pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Array;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the model, the lattice and its cells with three.js, when something has changed. Knows nothing of
+// Draws the models, the lattice and its cells with three.js, when something has changed. Knows nothing of
 // documents: it gets arrays, and keeps what it needs to draw them and to find what is under the pointer.
 
 import * as THREE from "three";
@@ -7,9 +7,11 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { asSurface, type Look } from "./appearance.ts";
-import type { BoundaryFace, CellSurface, DrawnModel, LatticeShape } from "./protocol.ts";
-import { Splats } from "./splats.ts";
+import type { Look } from "./appearance.ts";
+import { Marks, pointMaterial } from "./dots.ts";
+import { attribute, setPositions } from "./geometry.ts";
+import { Clay, ModelView } from "./model_view.ts";
+import type { BoundaryFace, CellSurface, LatticeShape, ModelPose, ModelShape } from "./protocol.ts";
 
 /** What is shown. */
 export interface Shown {
@@ -27,159 +29,6 @@ export interface Shown {
 
 const kCornerSize = 9;
 const kLineWidth = 1.6;
-
-/** Round points of a size in pixels, each with its colour. */
-function pointMaterial(depthTest: boolean): THREE.ShaderMaterial {
-  return new THREE.ShaderMaterial({
-    uniforms: { scale: { value: 1 }, opacity: { value: 1 }, rim: { value: new THREE.Color() } },
-    vertexShader: `
-      attribute float size;
-      attribute vec3 color;
-      uniform float scale;
-      varying vec3 shade;
-      varying float pixels;
-      void main() {
-        shade = color;
-        pixels = size * scale;
-        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-        gl_Position.z -= 2e-4 * gl_Position.w;
-        gl_PointSize = pixels;
-      }`,
-    fragmentShader: `
-      uniform float opacity;
-      uniform vec3 rim;
-      varying vec3 shade;
-      varying float pixels;
-      void main() {
-        float radius = length(gl_PointCoord - 0.5) * pixels;
-        float inside = 1.0 - smoothstep(0.5 * pixels - 1.2, 0.5 * pixels - 0.2, radius);
-        float core = 1.0 - smoothstep(0.5 * pixels - 2.6, 0.5 * pixels - 1.6, radius);
-        if (inside <= 0.0) discard;
-        gl_FragColor = vec4(mix(rim, shade, core), opacity * inside);
-        #include <colorspace_fragment>
-      }`,
-    transparent: true,
-    depthTest,
-    depthWrite: false,
-  });
-}
-
-/** Points of the model that are drawn as dots in front of everything. */
-class Marks {
-  readonly object = new THREE.Points(new THREE.BufferGeometry(), pointMaterial(false));
-  private points: ArrayLike<number> = [];
-
-  constructor(private readonly size: number) {
-    this.object.frustumCulled = false;
-    this.object.renderOrder = 6;
-  }
-
-  get count(): number {
-    return this.points.length;
-  }
-
-  set(points: ArrayLike<number>, from: Float32Array): void {
-    this.points = points;
-    this.object.geometry.dispose();
-    this.object.geometry = new THREE.BufferGeometry();
-    attribute(this.object.geometry, "size", new Float32Array(points.length).fill(this.size), 1);
-    this.place(from);
-  }
-
-  /** @param rim around each dot */
-  colour(colour: THREE.Color, rim: THREE.Color): void {
-    const colours = new Float32Array(3 * this.count);
-    for (let i = 0; i < this.count; ++i) colour.toArray(colours, 3 * i);
-    attribute(this.object.geometry, "color", colours, 3);
-    this.object.material.uniforms.rim.value = rim;
-  }
-
-  place(from: Float32Array): void {
-    const positions = new Float32Array(3 * this.count);
-    for (let i = 0; i < this.count; ++i)
-      positions.set(from.subarray(3 * this.points[i], 3 * this.points[i] + 3), 3 * i);
-    setPositions(this.object.geometry, positions);
-  }
-}
-
-function attribute(
-  geometry: THREE.BufferGeometry,
-  name: string,
-  array: Float32Array,
-  size: number,
-) {
-  geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
-}
-
-/** Replaces an attribute, or its numbers if there are as many.
- * @param copies the vertices that come once more after the others
- */
-function setPositions(
-  geometry: THREE.BufferGeometry,
-  positions: Float32Array,
-  copies: Uint32Array = new Uint32Array(0),
-): void {
-  const length = positions.length + 3 * copies.length;
-  if (geometry.getAttribute("position")?.array.length !== length)
-    attribute(geometry, "position", new Float32Array(length), 3);
-  const { array } = geometry.getAttribute("position") as THREE.BufferAttribute;
-  array.set(positions);
-  for (let i = 0, at = positions.length; i < copies.length; ++i, at += 3)
-    array.copyWithin(at, 3 * copies[i], 3 * copies[i] + 3);
-  geometry.getAttribute("position").needsUpdate = true;
-}
-
-/** Colours for shaders, of colours in sRGB with opacities. */
-function linear(colors: Float32Array): Float32Array {
-  const result = colors.slice();
-  const color = new THREE.Color();
-  for (let i = 0; i < result.length; i += 4)
-    color.setRGB(colors[i], colors[i + 1], colors[i + 2], THREE.SRGBColorSpace).toArray(result, i);
-  return result;
-}
-
-/** Sets each normal to the mean of the normals of the triangles at the vertex, by their areas.
- * @param from for each vertex the vertex that has its normal; empty if each has its own
- */
-function setNormals(
-  geometry: THREE.BufferGeometry,
-  triangles: Uint32Array,
-  from: Uint32Array,
-): void {
-  const points = geometry.getAttribute("position").array as Float32Array;
-  const old = geometry.getAttribute("normal") as THREE.BufferAttribute | undefined;
-  if (!old || old.array.length !== points.length)
-    attribute(geometry, "normal", new Float32Array(points.length), 3);
-  const normal = geometry.getAttribute("normal") as THREE.BufferAttribute;
-  const sums = normal.array as Float32Array;
-  sums.fill(0);
-  for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
-    const ux = points[b] - points[a];
-    const uy = points[b + 1] - points[a + 1];
-    const uz = points[b + 2] - points[a + 2];
-    const vx = points[c] - points[a];
-    const vy = points[c + 1] - points[a + 1];
-    const vz = points[c + 2] - points[a + 2];
-    const nx = uy * vz - uz * vy;
-    const ny = uz * vx - ux * vz;
-    const nz = ux * vy - uy * vx;
-    for (const at of [a, b, c]) {
-      sums[at] += nx;
-      sums[at + 1] += ny;
-      sums[at + 2] += nz;
-    }
-  }
-  for (let i = 0; i < sums.length; i += 3) {
-    const length = Math.hypot(sums[i], sums[i + 1], sums[i + 2]) || 1;
-    sums[i] /= length;
-    sums[i + 1] /= length;
-    sums[i + 2] /= length;
-  }
-  for (let v = 0; v < from.length; ++v)
-    if (from[v] !== v) sums.copyWithin(3 * v, 3 * from[v], 3 * from[v] + 3);
-  normal.needsUpdate = true;
-}
 
 export class View {
   camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
@@ -206,20 +55,12 @@ export class View {
   private readonly colours: Record<string, THREE.Color> = {};
   private frameIsAsked = false;
 
-  private readonly clay = asSurface(new THREE.MeshStandardMaterial({ roughness: 0.62 }));
-  /** clay with the colours of the points */
-  private readonly colouredClay = asSurface(
-    new THREE.MeshStandardMaterial({ roughness: 0.62, vertexColors: true }),
-  );
-  private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.Material | THREE.Material[]>;
-  private readonly cloud: THREE.Points<THREE.BufferGeometry, THREE.PointsMaterial>;
-  /** what is shown of a cloud of splats instead of its points */
-  private splats: Splats | null = null;
-  private drawn: DrawnModel | null = null;
-  private pointCount = 0;
-  /** the corners of the triangles, as the vertices that have their normals */
-  private cornersOfNormals: Uint32Array = new Uint32Array(0);
-  private materials: Look["materials"] = [];
+  private readonly clay = new Clay();
+  private models: ModelView[] = [];
+  /** where the points of the models are shown, one model after the other */
+  points: Float32Array = new Float32Array(0);
+  /** Whether a model is shown coarsely, so that `points` are where they were before the drag. */
+  private isCoarse = false;
   /** dots on the points outside the lattice, on pulled and on pinned points */
   private readonly marks = { outside: new Marks(5), pulls: new Marks(13), pins: new Marks(11) };
 
@@ -247,11 +88,6 @@ export class View {
     this.controls = this.newControls();
     this.addLights();
 
-    this.model = new THREE.Mesh(new THREE.BufferGeometry(), this.clay);
-    this.cloud = new THREE.Points(
-      this.model.geometry,
-      new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }),
-    );
     this.faces = new THREE.Mesh(
       new THREE.BufferGeometry(),
       new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }),
@@ -278,12 +114,11 @@ export class View {
         side: THREE.DoubleSide,
       }),
     );
-    for (const object of [this.model, this.cloud, this.cells, this.foldedFaces])
-      object.frustumCulled = false;
+    for (const object of [this.cells, this.foldedFaces]) object.frustumCulled = false;
     this.faces.visible = false;
     this.cells.renderOrder = 2;
     this.foldedFaces.renderOrder = 3;
-    this.scene.add(this.model, this.cloud, this.faces, this.cells, this.foldedFaces);
+    this.scene.add(this.faces, this.cells, this.foldedFaces);
     for (const { object } of Object.values(this.marks)) this.scene.add(object);
 
     new ResizeObserver(() => this.resize(container)).observe(container);
@@ -337,8 +172,8 @@ export class View {
       "panel",
     ])
       this.colours[name] = new THREE.Color(style.getPropertyValue(`--${name}`).trim());
-    this.clay.color = this.colours.model;
-    this.chooseMaterials();
+    this.clay.plain.color = this.colours.model;
+    for (const model of this.models) model.show();
     this.foldedFaces.material.color = this.colours.bad;
     for (const points of this.corners) points.material.uniforms.rim.value = this.colours.panel;
     this.colourMarks();
@@ -347,93 +182,47 @@ export class View {
     this.ask();
   }
 
-  // ---- Model -----------------------------------------------------------------------------------------
+  // ---- Models ----------------------------------------------------------------------------------------
 
-  /** @param drawn null for no model */
-  setModel(points: Float32Array, drawn: DrawnModel | null): void {
-    const { model, cloud } = this;
-    model.geometry.dispose();
-    const geometry = (model.geometry = cloud.geometry = new THREE.BufferGeometry());
-    this.drawn = drawn;
-    this.pointCount = points.length / 3;
-    if (drawn) {
-      const { triangles, textures, colors, normalsFrom } = drawn;
-      if (triangles.length > 0) geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
-      if (textures) attribute(geometry, "uv", textures, 2);
-      if (colors) attribute(geometry, "color", linear(colors), 4);
-      this.cornersOfNormals =
-        normalsFrom.length > 0 ? triangles.map((v) => normalsFrom[v]) : triangles;
+  /** Shows models as they are at rest, in clay. */
+  setModels(shapes: readonly ModelShape[]): void {
+    for (const model of this.models) {
+      this.scene.remove(model.object);
+      model.dispose();
     }
-    this.setSplats(drawn?.covariances && drawn.colors ? new Splats(drawn.colors) : null);
+    this.models = shapes.map(
+      ({ points, drawn, coarse }) => new ModelView(points.length / 3, drawn, this.clay, coarse),
+    );
+    for (const model of this.models) {
+      model.setShown(this.shown.materials);
+      this.scene.add(model.object);
+    }
     this.setOutside(new Uint32Array(0));
-    this.setLook([]);
-    this.setPoints(points);
+    this.setModelPoses(
+      shapes.map(({ points }) => ({ points: Float32Array.from(points), isCoarse: false })),
+    );
   }
 
-  /** Sets the materials of the model, which are its own from now on. */
-  setLook(materials: Look["materials"]): void {
-    for (const material of this.materials) {
-      for (const map of Object.values(material ?? {}))
-        if (map instanceof THREE.Texture) map.dispose();
-      material?.dispose();
-    }
-    this.materials = materials;
-    this.chooseMaterials();
+  /** Sets the materials of a model, which are its own from now on. */
+  setLook(model: number, materials: Look["materials"]): void {
+    this.models[model].setLook(materials);
     this.ask();
   }
 
-  /** Whether the model has materials or colours. */
+  /** Whether a model has materials or colours. */
   get hasLook(): boolean {
-    return Boolean(this.drawn?.colors) || this.materials.some((material) => material !== null);
+    return this.models.some((model) => model.hasLook);
   }
 
-  private chooseMaterials(): void {
-    const { drawn, model, cloud, materials } = this;
-    const hasColours = this.shown.materials && Boolean(drawn?.colors);
-    const clay = hasColours ? this.colouredClay : this.clay;
-    model.geometry.clearGroups();
-    model.material = clay;
-    if (drawn && this.shown.materials && materials.some((material) => material !== null)) {
-      const parts =
-        drawn.parts.length > 0 ? drawn.parts : [{ start: 0, count: Infinity, material: 0 }];
-      parts.forEach(({ start, count }, i) => model.geometry.addGroup(start, count, i));
-      model.material = parts.map(({ material }) => materials[material] ?? clay);
+  setModelPoses(poses: readonly ModelPose[]): void {
+    this.models.forEach((model, i) => model.setPose(poses[i]));
+    this.isCoarse = poses.some((pose) => pose.isCoarse);
+    if (!this.isCoarse) {
+      this.points = joined(poses.map(({ points }) => points));
+      this.around = null;
+      for (const marks of Object.values(this.marks)) marks.place(this.points);
     }
-    cloud.material.color = hasColours ? new THREE.Color(1, 1, 1) : this.colours.model;
-    cloud.material.vertexColors = hasColours;
-    cloud.material.needsUpdate = true;
-  }
-
-  private setSplats(splats: Splats | null): void {
-    if (this.splats) this.scene.remove(this.splats.object);
-    this.splats?.dispose();
-    this.splats = splats;
-    if (splats) this.scene.add(splats.object);
-  }
-
-  /** @param covariances of splats; as at rest if they are missing */
-  setPoints(points: Float32Array, covariances = this.drawn?.covariances): void {
-    this.splats?.setShapes(points, covariances!);
-    const { geometry } = this.model;
-    setPositions(geometry, points, this.drawn?.copies);
-    if (this.hasFaces) setNormals(geometry, this.cornersOfNormals, this.drawn!.normalsFrom);
-    geometry.boundingSphere = null;
-    geometry.boundingBox = null;
-    this.around = null;
-    for (const marks of Object.values(this.marks)) marks.place(points);
     this.ask();
-  }
-
-  private get hasFaces(): boolean {
-    return this.drawn !== null && this.drawn.triangles.length > 0;
-  }
-
-  /** The points of the model that are shown. */
-  get points(): Float32Array {
-    const position = this.model.geometry.getAttribute("position");
-    return position
-      ? (position.array as Float32Array).subarray(0, 3 * this.pointCount)
-      : new Float32Array(0);
   }
 
   setOutside(points: Uint32Array): void {
@@ -612,7 +401,7 @@ export class View {
 
   setShown(shown: Shown): void {
     this.shown = shown;
-    this.chooseMaterials();
+    for (const model of this.models) model.setShown(shown.materials);
     this.rebuildCells();
     this.ask();
   }
@@ -784,13 +573,10 @@ export class View {
 
   draw(): void {
     this.frameIsAsked = false;
-    const { shown, hasFaces } = this;
-    this.model.visible = shown.model && hasFaces;
-    const hasSplats = this.splats !== null && shown.materials;
-    this.cloud.visible = shown.model && !hasFaces && !hasSplats && this.points.length > 0;
-    if (this.splats) this.splats.object.visible = shown.model && hasSplats;
+    const { shown } = this;
+    for (const { object } of this.models) object.visible = shown.model;
     for (const marks of Object.values(this.marks)) {
-      marks.object.visible = shown.model && marks.count > 0;
+      marks.object.visible = shown.model && !this.isCoarse && marks.count > 0;
       marks.object.material.uniforms.scale.value = this.renderer.getPixelRatio();
     }
     for (const object of [...this.lines, ...this.corners]) object.visible = shown.lattice;
@@ -800,8 +586,8 @@ export class View {
     this.cells.material.transparent = !shown.cut;
     this.foldedFaces.visible = this.folded.size > 0;
     this.placePlanes();
-    if (this.splats?.object.visible)
-      this.splats.prepare(this.camera, this.renderer.getDrawingBufferSize(new THREE.Vector2()));
+    const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
+    for (const model of this.models) model.prepare(this.camera, size);
     this.renderer.render(this.scene, this.camera);
     this.onTurn();
   }
@@ -861,13 +647,18 @@ export class View {
     return hit.point.clone().sub(at).dot(forward) < -1e-3 * this.size;
   }
 
-  /** Where a ray through a place on the screen meets an object, from front to back. */
-  private hits(x: number, y: number, object: THREE.Mesh): THREE.Intersection[] {
+  /** The ray through a place on the screen. */
+  private rayAt(x: number, y: number): THREE.Raycaster {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
+    return ray;
+  }
+
+  /** Where a ray through a place on the screen meets an object, from front to back. */
+  private hits(x: number, y: number, object: THREE.Mesh): THREE.Intersection[] {
     const hits: THREE.Intersection[] = [];
-    object.raycast(ray, hits);
+    object.raycast(this.rayAt(x, y), hits);
     return hits.sort((a, b) => a.distance - b.distance);
   }
 
@@ -884,16 +675,29 @@ export class View {
     return null;
   }
 
-  /** The point of the model that is nearest to the place where the pointer meets it. */
+  /** The point of a model that is nearest to the place where the pointer meets a model: its number in `points`. */
   pointAt(x: number, y: number): number | null {
-    const [found] = this.hasFaces ? this.hits(x, y, this.model) : [];
-    if (!found?.face) return null;
-    const { pointCount } = this;
-    const [a, b, c] = [found.face.a, found.face.b, found.face.c].map((v) =>
-      v < pointCount ? v : this.drawn!.copies[v - pointCount],
-    );
-    const gap = (point: number) =>
-      new THREE.Vector3().fromArray(this.points, 3 * point).distanceTo(found.point);
-    return [a, b, c].sort((p, q) => gap(p) - gap(q))[0];
+    const ray = this.rayAt(x, y);
+    let best: { point: number; distance: number } | null = null;
+    let before = 0;
+    for (const model of this.models) {
+      const found = model.pointAt(ray);
+      if (found && !(best && best.distance <= found.distance))
+        best = { ...found, point: before + found.point };
+      before += model.pointCount;
+    }
+    return best && best.point;
   }
+}
+
+/** Arrays one after the other. */
+function joined(parts: readonly Float32Array[]): Float32Array {
+  if (parts.length === 1) return parts[0];
+  const result = new Float32Array(parts.reduce((sum, { length }) => sum + length, 0));
+  let end = 0;
+  for (const part of parts) {
+    result.set(part, end);
+    end += part.length;
+  }
+  return result;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the library. Holds the model, the lattice and the binding that are open, and does the jobs of
+// Runs the library. Holds the models, the lattice and the bindings that are open, and does the jobs of
 // protocol.ts with them. A job cannot be interrupted: to cancel it, the page ends the worker and starts
 // another (engine.ts).
 
@@ -12,24 +12,29 @@ import {
   type Lattice,
   type Model,
   type Point,
+  type Polygons,
   type Pull as LatticePull,
   type Refiner,
-  type Table,
   type Validity,
 } from "../library/espalier.ts";
+import { coarseModel } from "./coarse.ts";
 import { buffersBeside, isGltf } from "./companions.ts";
 import { carriedCovariances, drawnModel } from "./drawn.ts";
 import type {
   Answer,
   Axis,
+  BindResult,
   BindSettings,
   BoundaryFace,
   CellSurface,
+  Coarse,
   JobName,
   Jobs,
   LatticeEdit,
   LatticeFile,
   LatticeShape,
+  ModelPose,
+  ModelShape,
   PoseResult,
   Pull,
   Recipe,
@@ -45,11 +50,10 @@ import { kAxes } from "./transforms.ts";
 let library: Espalier;
 
 /** The objects of the library that are open. Each group is freed when the group before it changes. */
-let model: OpenModel | null = null;
+let models: OpenModel[] = [];
 let lattice: { file: Lattice; rest: Float64Array; refiner: Refiner } | null = null;
 /** The pull of a drag, and the displacements of its last frame. */
 let pulling: { key: string; pull: LatticePull; last?: Float64Array } | null = null;
-let bound: Bound | null = null;
 let surface: { level: number; evaluator: Evaluator } | null = null;
 let validity: { check: Validity; cells: Int32Array } | null = null;
 
@@ -58,15 +62,50 @@ interface OpenModel {
   points: Float64Array;
   /** of splats */
   covariances: Float32Array | null;
+  coarse: Coarse | null;
+  bound: Bound | null;
 }
 
-/** A binding, and what applies it. */
+/** The binding of a model, and what applies it. */
 interface Bound {
+  settings: BindSettings;
   binding: Binding;
   /** whether it carries normals, tangents and splats */
   hasGradients: boolean;
-  table: Table;
-  deformer: Deformer;
+  /** moves all points */
+  all: Follower;
+  /** moves the points of the coarse model */
+  coarse: Follower | null;
+}
+
+/** Moves points in single precision, in less time where few vertices have moved since the last time. */
+class Follower {
+  private last: Float64Array | null = null;
+
+  constructor(private readonly deformer: Deformer) {}
+
+  move(pose: Float64Array): Float32Array {
+    const changed = changedVertices(this.last, pose);
+    this.last = pose;
+    const positions = Float32Array.from(pose);
+    return changed
+      ? this.deformer.deformChanged(positions, changed)
+      : this.deformer.deform(positions);
+  }
+
+  free(): void {
+    this.deformer.free();
+  }
+}
+
+/** The vertices that differ; undefined if there is nothing to compare with. */
+function changedVertices(from: Float64Array | null, to: Float64Array): Int32Array | undefined {
+  if (!from || from.length !== to.length) return undefined;
+  const result: number[] = [];
+  for (let v = 0; v < to.length; v += 3)
+    if (from[v] !== to[v] || from[v + 1] !== to[v + 1] || from[v + 2] !== to[v + 2])
+      result.push(v / 3);
+  return Int32Array.from(result);
 }
 
 function free(...objects: { free(): void }[]): void {
@@ -80,8 +119,11 @@ function closePull(): void {
 
 function closeBinding(): void {
   closePull();
-  if (bound) free(bound.deformer, bound.table, bound.binding);
-  bound = null;
+  for (const model of models) {
+    const { bound } = model;
+    model.bound = null;
+    if (bound) free(bound.all, ...(bound.coarse ? [bound.coarse] : []), bound.binding);
+  }
 }
 
 function closeLattice(): void {
@@ -92,10 +134,10 @@ function closeLattice(): void {
   surface = validity = lattice = null;
 }
 
-function closeModel(): void {
+function closeModels(): void {
   closeBinding();
-  if (model) free(model.file);
-  model = null;
+  for (const { file } of models) free(file);
+  models = [];
 }
 
 function openOr<T>(object: T | null, name: string): T {
@@ -104,7 +146,38 @@ function openOr<T>(object: T | null, name: string): T {
 }
 
 const openLatticeNow = () => openOr(lattice, "lattice: make or open one first");
-const openModelNow = () => openOr(model, "model: open one first");
+const boundOf = (model: OpenModel) => openOr(model.bound, "binding");
+
+/** The points of all models, one model after the other. */
+function allPoints(): Float64Array {
+  if (models.length === 0) throw new Error("there is no model: open one first");
+  return joinedPoints(models.map(({ points }) => points));
+}
+
+function joinedPoints(parts: readonly Float64Array[]): Float64Array {
+  const result = new Float64Array(parts.reduce((sum, { length }) => sum + length, 0));
+  let end = 0;
+  for (const part of parts) {
+    result.set(part, end);
+    end += part.length;
+  }
+  return result;
+}
+
+/** The faces of all models, between allPoints(). */
+function allFaces(): Polygons {
+  const offsets = [0];
+  const corners: number[] = [];
+  let before = 0;
+  for (const { file, points } of models) {
+    const faces = file.faces();
+    const first = corners.length;
+    for (let face = 1; face < faces.offsets.length; ++face) offsets.push(first + faces.offsets[face]);
+    for (const corner of faces.corners) corners.push(before + corner);
+    before += points.length / 3;
+  }
+  return { offsets: Int32Array.from(offsets), corners: Int32Array.from(corners) };
+}
 
 /** Runs `use` with an object, and frees it. */
 function using<Object extends { free(): void }, T>(object: Object, use: (object: Object) => T): T {
@@ -169,11 +242,9 @@ function shapeOf(file: Lattice, refiner: Refiner): LatticeShape {
 function make(recipe: Recipe): Lattice {
   switch (recipe.kind) {
     case "around":
-      return library.around(openModelNow().points, recipe.options);
-    case "cage": {
-      const { file, points } = openModelNow();
-      return library.cage(points, file.faces(), { vertices: recipe.vertices });
-    }
+      return library.around(allPoints(), recipe.options);
+    case "cage":
+      return library.cage(allPoints(), allFaces(), { vertices: recipe.vertices });
     case "shape":
       return kShapes[recipe.name].make(library, recipe.sizes);
   }
@@ -236,56 +307,66 @@ function changed(object: Lattice, change: (object: Lattice) => void): Lattice {
   }
 }
 
-function bind(settings: BindSettings): Uint32Array {
-  const { file, points } = openModelNow();
+/** Binds points to the open lattice. */
+function bindingOf(points: Float64Array, settings: BindSettings, gradients: boolean): Binding {
   const { refiner, rest } = openLatticeNow();
-  closeBinding();
-  const hasGradients = file.hasDirections() && settings.normals !== "keep";
-  const binding = refiner.bind(rest, points, {
+  return refiner.bind(rest, points, {
     level: settings.level,
     outside: settings.outside,
     limitTolerance: settings.limit ? 1e-6 : 0,
-    gradients: hasGradients,
+    gradients,
   });
-  bound = {
-    binding,
-    hasGradients,
-    table: binding.table(),
-    deformer: binding.deformer(),
-  };
+}
+
+function bind(settings: BindSettings): BindResult {
+  closeBinding();
   const outside: number[] = [];
-  binding.statuses().forEach((status, point) => {
-    if (status !== 0) outside.push(point);
+  let [before, residual] = [0, 0];
+  for (const model of models) {
+    const { file, points, coarse } = model;
+    const hasGradients = file.hasDirections() && settings.normals !== "keep";
+    const binding = bindingOf(points, settings, hasGradients);
+    model.bound = {
+      settings,
+      binding,
+      hasGradients,
+      all: new Follower(binding.deformer()),
+      coarse: coarse && coarseFollower(pointsAt(points, coarse.points), settings),
+    };
+    binding.statuses().forEach((status, point) => {
+      if (status !== 0) outside.push(before + point);
+    });
+    residual = Math.max(residual, binding.largestResidual());
+    before += points.length / 3;
+  }
+  return { outside: Uint32Array.from(outside), residual };
+}
+
+const coarseFollower = (points: Float64Array, settings: BindSettings) =>
+  using(bindingOf(points, settings, false), (binding) => new Follower(binding.deformer()));
+
+const pointsAt = (points: Float64Array, numbers: ArrayLike<number>) =>
+  Float64Array.from({ length: 3 * numbers.length }, (_, i) => {
+    return points[3 * numbers[Math.floor(i / 3)] + (i % 3)];
   });
-  return Uint32Array.from(outside);
+
+/** The points of a model for a pose, as `espalier deform` computes them. */
+const deformed = (model: OpenModel, pose: Float64Array) =>
+  boundOf(model).binding.apply(pose, model.points.length / 3);
+
+/** The gradients at the points of a model for a pose, if it has normals, tangents or splats that turn. */
+function gradientsOf(model: OpenModel, pose: Float64Array): Float64Array | undefined {
+  const { binding, hasGradients } = boundOf(model);
+  return hasGradients ? binding.gradients(pose, model.points.length / 3) : undefined;
 }
 
-/** The points of the model for a pose, as `espalier deform` computes them. */
-function deformed(pose: Float64Array): Float64Array {
-  return openOr(bound, "binding").binding.apply(pose, openModelNow().points.length / 3);
-}
-
-/** The file of the model for a pose, as `espalier deform` writes it. */
-function writeModel(pose: Float64Array, extension: string): Uint8Array {
-  const { file, points } = openModelNow();
-  const { binding, hasGradients } = openOr(bound, "binding");
-  const gradients = hasGradients ? binding.gradients(pose, points.length / 3) : undefined;
-  return file.write(deformed(pose), gradients, extension);
-}
-
-function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
-  const { deformer } = openOr(bound, "binding");
-  const positions = Float32Array.from(pose);
-  return changedVertices
-    ? deformer.deformChanged(positions, changedVertices)
-    : deformer.deform(positions);
-}
-
-/** The covariances of the splats of the model for a pose; null if it has none that turn. */
-function splatsOf(pose: Float64Array): Float32Array | null {
-  if (!model?.covariances || !bound?.hasGradients) return null;
-  const gradients = bound.binding.gradients(pose, model.points.length / 3);
-  return carriedCovariances(model.covariances, gradients);
+function modelPose(model: OpenModel, pose: Float64Array, isExact: boolean): ModelPose {
+  const { all, coarse } = boundOf(model);
+  if (coarse && !isExact) return { points: coarse.move(pose), isCoarse: true };
+  const points = isExact ? Float32Array.from(deformed(model, pose)) : all.move(pose);
+  const gradients = model.covariances ? gradientsOf(model, pose) : undefined;
+  if (!gradients) return { points, isCoarse: false };
+  return { points, isCoarse: false, covariances: carriedCovariances(model.covariances!, gradients) };
 }
 
 /** Finer levels of larger lattices would cost more than they show. */
@@ -307,11 +388,15 @@ function pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Ar
   const points = [...pulls.map((each) => each.point), ...pins];
   const key = [pulls.length, ...points, ...positions].join();
   if (pulling?.key !== key) {
-    const { table } = openOr(bound, "binding");
     const { file } = openLatticeNow();
     closePull();
     const rows = pins.map((_, i) => pulls.length + i);
-    pulling = { key, pull: table.pull(file, positions, points, { pins: rows }) };
+    const { settings } = boundOf(models[0]);
+    const places = pointsAt(allPoints(), points);
+    const pull = using(bindingOf(places, settings, false), (binding) =>
+      using(binding.table(), (table) => table.pull(file, positions, [...points.keys()], { pins: rows })),
+    );
+    pulling = { key, pull };
   }
   const misses = points.flatMap((_, i) => pulls[i]?.by ?? [0, 0, 0]);
   const { displacements } = pulling.pull.solve(misses, pulling.last);
@@ -358,30 +443,47 @@ function transformed(from: Transformed, weights: Float64Array, to: Transform): T
 /** The vertices with a weight above 0. */
 const chosen = (weights: Float64Array) => [...weights.keys()].filter((v) => weights[v] > 0);
 
+/** Reads what is drawn of a model. */
+function shapeOfModel(model: OpenModel, name: string): ModelShape {
+  const { file } = model;
+  const points = file.points();
+  const faces = file.faces();
+  const appearance = file.appearance();
+  const drawn = drawnModel(points, faces, appearance, isGltf(name));
+  const coarse = coarseModel(points, drawn);
+  Object.assign(model, { points, covariances: drawn.covariances, coarse });
+  return {
+    points,
+    drawn,
+    coarse,
+    materials: appearance.materials,
+    faceCount: faces.offsets.length - 1,
+    hasDirections: file.hasDirections(),
+    notes: file.notes(),
+  };
+}
+
 const jobs: Jobs = {
-  openModel(file) {
-    if (!file) {
-      closeModel();
-      return null;
-    }
-    const read = library.readModel(file.name, file.bytes, buffersBeside(file));
+  openModels(files) {
+    const opened: OpenModel[] = [];
     try {
-      const points = read.points();
-      const faces = read.faces();
-      const appearance = read.appearance();
-      const drawn = drawnModel(points, faces, appearance, isGltf(file.name));
-      closeModel();
-      model = { file: read, points, covariances: drawn.covariances };
-      return {
-        points,
-        drawn,
-        materials: appearance.materials,
-        faceCount: faces.offsets.length - 1,
-        hasDirections: read.hasDirections(),
-        notes: read.notes(),
-      };
+      const shapes = files.map((file) => {
+        const read = library.readModel(file.name, file.bytes, buffersBeside(file));
+        const model: OpenModel = {
+          file: read,
+          points: new Float64Array(0),
+          covariances: null,
+          coarse: null,
+          bound: null,
+        };
+        opened.push(model);
+        return shapeOfModel(model, file.name);
+      });
+      closeModels();
+      models = opened;
+      return shapes;
     } catch (error) {
-      read.free();
+      for (const { file } of opened) free(file);
       throw error;
     }
   },
@@ -413,10 +515,7 @@ const jobs: Jobs = {
     }
   },
 
-  bind(settings) {
-    const outside = bind(settings);
-    return { outside, residual: openOr(bound, "binding").binding.largestResidual() };
-  },
+  bind,
 
   cellSurface(): CellSurface {
     const { refiner } = openLatticeNow();
@@ -446,14 +545,11 @@ const jobs: Jobs = {
     };
   },
 
-  pose({ positions, changed: changedVertices, exact, surface: withSurface }) {
-    let points: Float32Array = new Float32Array(0);
-    // Changes continue from the last evaluation in single precision: hence both.
-    if (bound) points = pointsInSingle(positions, changedVertices);
-    if (bound && exact) points = Float32Array.from(deformed(positions));
-    const result: PoseResult = { points };
-    const covariances = splatsOf(positions);
-    if (covariances) result.covariances = covariances;
+  pose({ positions, exact, surface: withSurface }) {
+    const isBound = models.length > 0 && models.every(({ bound }) => bound !== null);
+    const result: PoseResult = {
+      models: isBound ? models.map((model) => modelPose(model, positions, exact)) : [],
+    };
     if (withSurface && surface)
       result.surface = surface.evaluator.evaluate(Float32Array.from(positions));
     return result;
@@ -486,8 +582,11 @@ const jobs: Jobs = {
 
   write(product) {
     switch (product.kind) {
-      case "model":
-        return writeModel(product.pose, product.extension);
+      case "model": {
+        const model = models[product.model];
+        const { pose, extension } = product;
+        return model.file.write(deformed(model, pose), gradientsOf(model, pose), extension);
+      }
       case "lattice": {
         const { file, rest } = openLatticeNow();
         file.setPositions(product.positions);
@@ -498,7 +597,7 @@ const jobs: Jobs = {
         }
       }
       case "matrix":
-        return openOr(bound, "binding").table.write(".npz");
+        return using(boundOf(models[product.model]).binding.table(), (table) => table.write(".npz"));
     }
   },
 
@@ -508,7 +607,8 @@ const jobs: Jobs = {
 /** The memory of the arrays in a result, which goes over to the page instead of being copied. */
 function buffersOf(result: unknown): ArrayBuffer[] {
   if (ArrayBuffer.isView(result)) return [result.buffer as ArrayBuffer];
-  if (result === null || typeof result !== "object" || Array.isArray(result)) return [];
+  if (result === null || typeof result !== "object") return [];
+  if (Array.isArray(result) && typeof result[0] !== "object") return [];
   return Object.values(result).flatMap(buffersOf);
 }
 
@@ -524,7 +624,7 @@ function run({ id, job, values }: Request<JobName>): void {
     // A pose takes a few milliseconds, and is asked for in each frame.
     const result = job === "pose" ? work() : library.withProgress(report, work);
     // The worker keeps the points of models and the positions of lattices, so they are copied.
-    const keeps = job === "openModel" || job === "openLattice";
+    const keeps = job === "openModels" || job === "openLattice";
     answer({ id, result }, keeps ? [] : buffersOf(result));
   } catch (error) {
     answer({ id, error: error instanceof Error ? error.message : String(error) });

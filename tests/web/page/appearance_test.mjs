@@ -134,7 +134,7 @@ async function drop(page, files) {
 
 async function opened(page, files) {
   await drop(page, files);
-  await until(page, () => globalThis.espalier.editor.document.model !== null);
+  await until(page, () => globalThis.espalier.editor.document.models.length > 0);
 }
 
 /** The colours of the picture at points, seen from the end of an axis, with nothing but the model. */
@@ -218,7 +218,7 @@ describe("the look of a model", () => {
       );
       assert.deepEqual(await namesOf(page, kQuarters), ["grey", "grey", "grey", "grey"]);
       await drop(page, { "wood.png": kPicture });
-      await until(page, () => globalThis.espalier.editor.document.model.companions.length === 2);
+      await until(page, () => globalThis.espalier.editor.document.models[0].companions.length === 2);
       assert.deepEqual(await namesOf(page, kQuarters), kColours);
       await page.keyboard.press("Control+z");
       await settled(page);
@@ -233,7 +233,7 @@ describe("the look of a model", () => {
       json.buffers[0].byteLength = 92 + kPicture.length;
       writeFileSync(file("square.glb"), glb(json, Buffer.concat([numbers, kPicture])));
       await choose(page, "open", file("square.glb"));
-      await until(page, () => globalThis.espalier.editor.document.model !== null);
+      await until(page, () => globalThis.espalier.editor.document.models.length > 0);
       assert.deepEqual(await namesOf(page, kQuarters), kColours);
     }));
 
@@ -247,7 +247,7 @@ describe("the look of a model", () => {
         await message(page),
         "square.gltf has its points in square.bin: drop both together",
       );
-      assert.equal(await page.evaluate(() => globalThis.espalier.editor.document.model), null);
+      assert.deepEqual(await page.evaluate(() => globalThis.espalier.editor.document.models), []);
       await opened(page, { "square.gltf": text, "square.bin": numbers, "my wood.png": kPicture });
       assert.deepEqual(await namesOf(page, kQuarters), kColours);
       await widen(page);
@@ -307,7 +307,7 @@ describe("the look of a model", () => {
         ["red", "blue"],
       );
       await drop(page, { "cloud.ply": ply([]) });
-      await until(page, () => globalThis.espalier.editor.document.model.name === "cloud.ply");
+      await until(page, () => globalThis.espalier.editor.document.models[0].name === "cloud.ply");
       assert.deepEqual(
         await namesOf(page, [
           [1, -1, 0],
@@ -331,15 +331,15 @@ describe("the look of a model", () => {
       ]);
       assert.ok(Math.abs(middle[0] - corner[0]) <= 2, `${middle} and ${corner}`);
       const copies = await page.evaluate(
-        () => globalThis.espalier.editor.model.drawn.copies.length,
+        () => globalThis.espalier.editor.models[0].drawn.copies.length,
       );
       assert.equal(copies, 16);
       // A roof of 30 degrees is smooth.
       const height = Math.tan(Math.PI / 12);
       const roof = `v 0 0 0\nv 0 0 1\nv 1 ${height} 0\nv 1 ${height} 1\nv 2 0 0\nv 2 0 1\n`;
       await drop(page, { "roof.obj": `${roof}f 1 2 4 3\nf 3 4 6 5\n` });
-      await until(page, () => globalThis.espalier.editor.document.model.name === "roof.obj");
-      const none = await page.evaluate(() => globalThis.espalier.editor.model.drawn.copies.length);
+      await until(page, () => globalThis.espalier.editor.document.models[0].name === "roof.obj");
+      const none = await page.evaluate(() => globalThis.espalier.editor.models[0].drawn.copies.length);
       assert.equal(none, 0);
     }));
 
@@ -349,7 +349,7 @@ describe("the look of a model", () => {
         "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 1 -1 -2\nv 1 1 -2\nf 1 2 3 4\nf 2 5 6 3\n";
       await opened(page, { "corner.obj": two });
       const { points, at } = await page.evaluate(() => {
-        const { view, model } = globalThis.espalier.editor;
+        const { view, models: [model] } = globalThis.espalier.editor;
         view.look(view.camera.position.clone().set(1, 0, 0));
         const place = view.camera.position.clone().set(1, 0.9, -0.1).project(view.camera);
         const { clientWidth: width, clientHeight: height } = view.canvas;

@@ -278,7 +278,7 @@ describe("hands in the page", () => {
       await until(page, () => globalThis.espalier.editor.binding !== null);
       const { gap, folded, milliseconds } = await page.evaluate(async () => {
         const { editor } = globalThis.espalier;
-        const { points } = editor.model;
+        const { points } = editor.models[0];
         // The end of the tail is the point with the least x; the dog is about 2 high.
         let point = 0;
         for (let i = 0; i < points.length; i += 3) if (points[i] < points[3 * point]) point = i / 3;
@@ -424,7 +424,7 @@ describe("hands in the page", () => {
       await press(page, "p");
       const gap = await page.evaluate(async () => {
         const { editor, gizmo } = globalThis.espalier;
-        const { points } = editor.model;
+        const { points } = editor.models[0];
         // The ear with the largest z, and its mirror image.
         let ear = 0;
         for (let i = 0; i < points.length; i += 3)
@@ -496,8 +496,8 @@ describe("hands in the page", () => {
         await press(page, key);
       }
       await press(page, "Escape");
-      const { model, lattice } = await documentNow(page);
-      assert.deepEqual([model, lattice], [before.model, before.lattice]);
+      const { models, lattice } = await documentNow(page);
+      assert.deepEqual([models, lattice], [before.models, before.lattice]);
       await page.evaluate(() => globalThis.espalier.editor.onMessage("about this", true));
       assert.ok(await page.isVisible("#message"));
       await select(page, [5]);
@@ -524,7 +524,7 @@ describe("hands in the page", () => {
       });
       const { model, points } = await page.evaluate(() => {
         const { editor } = globalThis.espalier;
-        return { model: [...editor.model.points], points: [...editor.view.points] };
+        return { model: [...editor.models[0].points], points: [...editor.view.points] };
       });
       const moved = model.filter((x, i) => Math.abs(x - points[i]) > 1e-3).length;
       assert.ok(moved > model.length / 4, String(moved));
@@ -549,7 +549,7 @@ describe("hands in the page", () => {
           [name, plyText()],
         );
         await page.waitForFunction(
-          (name) => globalThis.espalier.editor.document.model?.name === name,
+          (name) => globalThis.espalier.editor.document.models[0]?.name === name,
           name,
         );
         await settled(page);

@@ -69,9 +69,9 @@ describe("sent, cancelled, opened many times", () => {
         const bytes = new TextEncoder().encode(lines.join("\n"));
         const sizes = [];
         for (let i = 0; i < 50; ++i) {
-          await editor.openModel({ name: `${i}.obj`, bytes: bytes.slice() });
+          await editor.openModels([{ name: `${i}.obj`, bytes: bytes.slice() }]);
           await editor.makeLattice({ kind: "around", options: { cellsAlongLongest: 3 } }, "");
-          await editor.change({ model: null, lattice: null, poses: [], time: 0, selection: [] });
+          await editor.change({ models: [], lattice: null, poses: [], time: 0, selection: [] });
           sizes.push(await editor.engine.run("memory"));
         }
         return sizes;

@@ -62,9 +62,9 @@ export async function choose(page, command, ...files) {
 export const documentNow = (page) =>
   page.evaluate(() => {
     const { document } = globalThis.espalier.editor;
-    const { model, lattice } = document;
+    const { models, lattice } = document;
     const size = (file) => file && { ...file, bytes: file.bytes.length };
-    return { ...document, model: size(model), lattice: size(lattice) };
+    return { ...document, models: models.map(size), lattice: size(lattice) };
   });
 export const message = (page) => page.textContent("#message span");
 
@@ -91,9 +91,9 @@ export async function until(page, condition) {
 
 export async function openExample(page, name = "dog") {
   await page.selectOption('[data-choice="example"]', name);
-  await until(page, () => globalThis.espalier.editor.model !== null);
+  await until(page, () => globalThis.espalier.editor.models.length > 0);
   const text = await page.evaluate(() =>
-    new TextDecoder().decode(globalThis.espalier.editor.document.model.bytes),
+    new TextDecoder().decode(globalThis.espalier.editor.document.models[0].bytes),
   );
   const model = `${name}.obj`;
   writeFileSync(file(model), text);

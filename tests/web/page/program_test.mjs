@@ -56,7 +56,7 @@ describe("against the program", () => {
     withPage(async (page) => {
       writeFileSync(file("spot.obj"), readFileSync(spot));
       await choose(page, "open", file("spot.obj"));
-      await until(page, () => globalThis.espalier.editor.model !== null);
+      await until(page, () => globalThis.espalier.editor.models.length > 0);
       await page.click('[data-form="cage"] button');
       await until(page, () => globalThis.espalier.editor.binding !== null);
       run("shape", "cage", "spot.obj", "--vertices", "150", "-o", file("cage.vtu"));
@@ -129,7 +129,7 @@ describe("against the program", () => {
         ].join("\n") + "\n",
       );
       await choose(page, "open", file("normals.obj"));
-      await until(page, () => globalThis.espalier.editor.model !== null);
+      await until(page, () => globalThis.espalier.editor.models.length > 0);
       await makeBox(page, 2);
       await page.selectOption('[data-setting="level"]', "limit");
       await settled(page);
@@ -167,7 +167,7 @@ describe("against the program", () => {
         writeFileSync(file(name), text);
         await choose(page, "open", file(name));
         await page.waitForFunction(
-          (expected) => globalThis.espalier.editor.document.model?.name === expected,
+          (expected) => globalThis.espalier.editor.document.models[0]?.name === expected,
           name,
         );
         await makeBox(page, 2);
