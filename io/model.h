@@ -101,8 +101,8 @@ struct ModelSurface {
     std::vector<Index> normalCorners;
 
     /// Texture coordinates u and v, with v upwards, and per corner of the faces the number of its
-    /// pair. Empty unless each corner has a pair. In glTF, primitives without TEXCOORD_0 have the
-    /// pair 0 0.
+    /// pair. Empty unless each corner has a pair. In an OBJ and in glTF, corners without texture
+    /// coordinates have the pair 0 0 if other corners have some.
     std::vector<std::array<double, 2>> textures;
     std::vector<Index> textureCorners;
 

@@ -199,9 +199,24 @@ private:
         corners.clear();
     }
 
+    /// Gives corners without texture coordinates the pair 0 0, if others have some.
+    void completeTextures() {
+        const Index count = static_cast<Index>(surface_.textures.size());
+        const auto isKnown = [&](Index corner) { return 0 <= corner && corner < count; };
+        std::vector<Index>& corners = surface_.textureCorners;
+        const auto known = std::ranges::count_if(corners, isKnown);
+        if (known == 0 || known == std::ssize(corners)) return;
+        surface_.textures.push_back({0, 0});
+        for (Index& corner : corners)
+            if (!isKnown(corner)) corner = count;
+    }
+
     void finish() {
         dropUnlessComplete("normals", surface_.normals, surface_.normalCorners);
-        if (!haveTextures_) surface_.textureCorners.clear();
+        if (haveTextures_)
+            completeTextures();
+        else
+            surface_.textureCorners.clear();
         dropUnlessComplete("texture coordinates", surface_.textures, surface_.textureCorners);
         if (surface_.materials.empty()) surface_.faceMaterials.clear();
         if (surface_.colors.size() == before_.points) return;

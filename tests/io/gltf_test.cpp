@@ -887,6 +887,15 @@ TEST(Gltf, ANewFileOfPointsAloneHasPoints) {
     EXPECT_EQ(copyOf(readModel("a.glb", bytes)->positions()), copyOf(model->positions()));
 }
 
+TEST(Gltf, CornersOfAnObjWithoutTextureCoordinatesGetZero) {
+    const ModelSurface surface =
+        readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 0.5\nf 1/1 2/7 3\nf 3/1 2/1 1/1\n")
+            ->readSurface();
+    EXPECT_EQ(surface.textures, (std::vector<std::array<double, 2>>{{1, 0.5}, {0, 0}}));
+    EXPECT_EQ(surface.textureCorners, (std::vector<Index>{0, 1, 1, 0, 0, 0}));
+    EXPECT_TRUE(surface.others.empty());
+}
+
 TEST(Gltf, ANewFileFarFromTheOriginKeepsItsPrecision) {
     // Floats are 0.5 apart at 5,432,198, but 1e-7 apart within a metre of a centre.
     const auto model = readModel(
