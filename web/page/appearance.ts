@@ -82,7 +82,8 @@ export async function lookOf(file: ModelFile, shape: ModelShape): Promise<Look> 
     ? await gltfMaterials(file, shape.materials.length, notes)
     : await mtlMaterials(file, shape, notes);
   let secondSets = 0;
-  for (const material of materials) if (material) secondSets += prepare(material, shape);
+  for (const material of materials)
+    if (material) secondSets += prepare(material, shape, isGltf(file.name));
   if (secondSets > 0)
     notes.push(
       `${areMany(secondSets, "texture")} not shown: by a second set of texture coordinates`,
@@ -95,7 +96,7 @@ const areMany = (count: number, one: string) =>
   count === 1 ? `1 ${one} is` : `${count} ${one.replace(/^\w+/, "$&s")} are`;
 
 /** Adapts a material to the page. Returns the number of textures that are left out. */
-function prepare(material: THREE.Material, { drawn }: ModelShape): number {
+function prepare(material: THREE.Material, { drawn }: ModelShape, isGltf: boolean): number {
   const maps = material as unknown as Record<string, THREE.Texture | null>;
   const standard = material as THREE.MeshStandardMaterial & THREE.MeshPhongMaterial;
   let secondSets = 0;
@@ -110,9 +111,12 @@ function prepare(material: THREE.Material, { drawn }: ModelShape): number {
   if (standard.isMeshStandardMaterial) standard.metalness *= 0.4;
   // A displacement would move the surface away from the points.
   if (standard.displacementMap) standard.displacementMap = null;
+  // A highlight without an end covers all of the surface.
+  if (standard.shininess === 0) standard.specular.set(0);
   // three.js reads "Tr 1" as invisible, and some programs write it for opaque.
   if (material.opacity === 0) material.opacity = 1;
-  material.vertexColors = drawn.colors !== null;
+  // glTF multiplies a texture by the colours of the points. In other files both are the same colour.
+  material.vertexColors = drawn.colors !== null && (isGltf || !standard.map);
   asSurface(material);
   return secondSets;
 }
@@ -174,7 +178,11 @@ async function mtlMaterials(
     return names.map(() => null);
   }
   const creators = libraries.map(({ bytes }) =>
-    new MTLLoader(pictures.manager).parse(new TextDecoder().decode(bytes), ""),
+    // MTLLoader knows no tabs.
+    new MTLLoader(pictures.manager).parse(
+      new TextDecoder().decode(bytes).replaceAll("\t", " "),
+      "",
+    ),
   );
   const materials = names.map((name) => {
     const creator = creators.find(({ materialsInfo }) => Object.hasOwn(materialsInfo, name));

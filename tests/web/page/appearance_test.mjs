@@ -52,7 +52,7 @@ const kPicture = png(kRed, kGreen, kBlue, kYellow);
 /** A square from -1 to 1, which shows the whole picture. */
 const kSquare = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const kSquareObj = `mtllib square.mtl\n${kSquare}usemtl wood\nf 1/1 2/2 3/3 4/4\n`;
-const kSquareMtl = "newmtl wood\nKd 1 1 1\nmap_Kd -bm 1 C:\\pictures\\Wood.PNG\n";
+const kSquareMtl = "newmtl\twood\nTr 1\nKd 1 1 1\nmap_Kd -bm 1 C:\\pictures\\Wood.PNG\n";
 
 /** The same square in glTF. `image` gives the picture, `buffer` the place of the numbers. */
 function gltf(image, buffer, views = []) {
