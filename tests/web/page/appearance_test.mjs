@@ -139,7 +139,10 @@ async function opened(page, files) {
 
 /** The colours of the picture at points, seen from the end of an axis, with nothing but the model. */
 async function coloursAt(page, points, side = "+z") {
-  await page.evaluate((to) => document.querySelector(`#axes [title="Look from ${to}"]`).click(), side);
+  await page.evaluate(
+    (to) => document.querySelector(`#axes [title="Look from ${to}"]`).click(),
+    side,
+  );
   await settled(page);
   return page.evaluate((all) => {
     const { view } = globalThis.espalier.editor;
@@ -193,7 +196,7 @@ describe("the look of a model", () => {
   test("an .obj with its .mtl and its picture shows the picture, also in a pose", () =>
     withPage(async (page) => {
       await opened(page, {
-        "wood.png": kPicture,
+        "WOOD.png": kPicture,
         "square.obj": kSquareObj,
         "square.mtl": kSquareMtl,
       });
@@ -203,6 +206,23 @@ describe("the look of a model", () => {
       assert.deepEqual(await namesOf(page, wide), kColours);
       await page.evaluate(() => document.querySelector('[data-shown="materials"]').click());
       assert.deepEqual(await namesOf(page, wide), ["grey", "grey", "grey", "grey"]);
+    }));
+
+  test("a point with two texture coordinates is drawn with both, also in a pose", () =>
+    withPage(async (page) => {
+      // Two halves, each with the whole picture. The points in the middle are at its right and its left edge.
+      const points = [-1, 0, 1].flatMap((x) => [`v ${x} -1 0\n`, `v ${x} 1 0\n`]).join("");
+      const corners = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 3/2 4/3 2/4\nf 3/1 5/2 6/3 4/4\n";
+      await opened(page, { "halves.obj": points + corners, "wood.png": kPicture });
+      const places = (width) =>
+        [-0.75, -0.25, 0.25, 0.75].flatMap((x) => [
+          [width * x, 0.5, 0],
+          [width * x, -0.5, 0],
+        ]);
+      const colours = ["red", "blue", "green", "yellow", "red", "blue", "green", "yellow"];
+      assert.deepEqual(await namesOf(page, places(1)), colours);
+      await widen(page);
+      assert.deepEqual(await namesOf(page, places(2)), colours);
     }));
 
   test("files that are missing are named, and come later; undo takes them away", () =>
