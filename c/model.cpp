@@ -50,8 +50,7 @@ espalier_model* modelOf(const char* name, std::unique_ptr<io::Model> model) {
     return new espalier_model{std::move(model), name, std::move(notes)};
 }
 
-espalier_model::Faces readFaces(const io::Model& model) {
-    io::ModelFaces read = model.readSurface().faces;
+espalier_model::Faces facesOf(io::ModelFaces read) {
     espalier_model::Faces faces;
     faces.offsets.reserve(read.count() + 1);
     faces.offsets.push_back(0);
@@ -67,11 +66,13 @@ espalier_model::Names namesOf(std::vector<std::string> texts) {
     return names;
 }
 
-espalier_model::Appearance readAppearance(const io::Model& model) {
+/// Reads the appearance of a model, and its faces in the same pass over the file.
+espalier_model::Appearance readAppearance(const espalier_model& own) {
     espalier_model::Appearance result;
     io::ModelSurface& surface = result.surface;
-    surface = model.readSurface();
-    io::readAppearance(model, surface);
+    surface = own.model->readSurface();
+    io::readAppearance(*own.model, surface);
+    own.faces.get([&] { return facesOf(std::move(surface.faces)); });
     surface.faces = {};
     result.materials = namesOf(std::exchange(surface.materials, {}));
     return result;
@@ -128,7 +129,8 @@ espalier_status espalier_model_points(const espalier_model* model, int32_t* poin
 espalier_status espalier_model_faces(const espalier_model* model, espalier_polygons* faces) {
     return c::result(faces, "faces", [&] {
         const auto& own = c::deref(model, "model");
-        const auto& known = own.faces.get([&] { return c::readFaces(*own.model); });
+        const auto& known =
+            own.faces.get([&] { return c::facesOf(own.model->readSurface().faces); });
         return espalier_polygons{std::ssize(known.offsets) - 1, known.offsets.data(),
                                  known.corners.data()};
     });
@@ -139,7 +141,7 @@ espalier_status espalier_model_appearance(const espalier_model* model,
     return c::result(appearance, "appearance", [&] {
         const auto& own = c::deref(model, "model");
         const auto& [surface, materials] =
-            own.appearance.get([&] { return c::readAppearance(*own.model); });
+            own.appearance.get([&] { return c::readAppearance(own); });
         espalier_appearance result = {};
         if (!surface.textureCorners.empty()) {
             result.texture_count = static_cast<std::int32_t>(surface.textures.size());

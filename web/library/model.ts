@@ -66,12 +66,10 @@ export class Model extends Handle {
   /** Texture coordinates, normals, colours and names of materials. */
   appearance(): Appearance {
     const { core } = this.library;
-    const { offsets, corners } = this.faces();
-    const [faceCount, cornerCount] = [offsets.length - 1, corners.length];
-    const pointCount = this.points().length / 3;
     return this.library.scoped((scope) => {
       const out = scope.allocate(44);
       this.library.call("espalier_model_appearance", this.address, out);
+      const { pointCount, faceCount, cornerCount } = this.counts();
       // The fields of espalier_appearance: counts and pointers, 4 bytes each.
       const [
         textureCount,
@@ -94,6 +92,22 @@ export class Model extends Handle {
         covariances: covariances === 0 ? null : floatsAt(core, covariances, 6 * pointCount),
         materials: this.texts(materials, materialCount),
         faceMaterials: integersOrNull(faceMaterials, faceCount),
+      };
+    });
+  }
+
+  private counts() {
+    const { core } = this.library;
+    return this.library.scoped((scope) => {
+      const [points, faces] = [scope.allocate(8), scope.allocate(16)];
+      this.library.call("espalier_model_points", this.address, points, points + 4);
+      this.library.call("espalier_model_faces", this.address, faces);
+      const faceCount = longAt(core, faces);
+      const [offsets] = integersAt(core, faces + 8, 1);
+      return {
+        pointCount: integersAt(core, points, 1)[0],
+        faceCount,
+        cornerCount: longAt(core, offsets + 8 * faceCount),
       };
     });
   }

@@ -138,19 +138,21 @@ function gathered(
 
 /** For each vertex the first vertex with its shade; empty if that is the vertex itself everywhere. */
 function firstOfEach(shades: Int32Array): Uint32Array {
-  const first = new Map<number, number>();
+  let last = -1;
+  for (const shade of shades) last = Math.max(last, shade);
+  const first = new Int32Array(last + 1).fill(-1);
   const result = new Uint32Array(shades.length);
   let isShared = false;
-  shades.forEach((shade, v) => {
+  for (let v = 0; v < shades.length; ++v) {
+    const shade = shades[v];
     result[v] = v;
-    if (shade < 0) return;
-    const known = first.get(shade);
-    if (known === undefined) first.set(shade, v);
+    if (shade < 0) continue;
+    if (first[shade] < 0) first[shade] = v;
     else {
-      result[v] = known;
+      result[v] = first[shade];
       isShared = true;
     }
-  });
+  }
   return isShared ? result : new Uint32Array(0);
 }
 
@@ -289,8 +291,10 @@ function faceNormals(points: Float64Array, offsets: Int32Array, corners: Int32Ar
       y += uz * vx - ux * vz;
       z += ux * vy - uy * vx;
     }
-    const length = Math.hypot(x, y, z) || 1;
-    normals.set([x / length, y / length, z / length], 3 * face);
+    const length = Math.sqrt(x * x + y * y + z * z) || 1;
+    normals[3 * face] = x / length;
+    normals[3 * face + 1] = y / length;
+    normals[3 * face + 2] = z / length;
   }
   return normals;
 }

@@ -447,8 +447,8 @@ const chosen = (weights: Float64Array) => [...weights.keys()].filter((v) => weig
 function shapeOfModel(model: OpenModel, name: string): ModelShape {
   const { file } = model;
   const points = file.points();
-  const faces = file.faces();
   const appearance = file.appearance();
+  const faces = file.faces();
   const drawn = drawnModel(points, faces, appearance, isGltf(name));
   const coarse = coarseModel(points, drawn);
   Object.assign(model, { points, covariances: drawn.covariances, coarse });
