@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "cancellable_ldlt.h"
+#include "fold_barrier.h"
+#include "quasi_newton.h"
 #include "rotation_fit.h"
 
 namespace espalier::solve {
@@ -138,6 +140,12 @@ struct RigidPull::Data {
     Eigen::MatrixXd responses;                ///< factor⁻¹ Dᵀ
     Eigen::LDLT<Eigen::MatrixXd> compliance;  ///< D factor⁻¹ Dᵀ + softness
 
+    // The same for the pulls of poses at the barrier, which are softer.
+    FoldBarrier barrier;
+    double softPull = 0;
+    double maxStep = 0;  ///< of a vertex, so that no cell jumps through a fold and out behind it
+    Eigen::LDLT<Eigen::MatrixXd> softCompliance;
+
     Index cellCount() const { return static_cast<Index>(weights.size()); }
 
     void addCells(const far::CellComplex& base);
@@ -148,7 +156,13 @@ struct RigidPull::Data {
     Columns rightSide(const std::vector<Eigen::Matrix3d>& rotations, const Columns& misses) const;
     Columns solution(const Columns& right, const Columns& misses) const;
     Columns missesOf(const Columns& moved, const Columns& misses) const;
-    double elastic(const Columns& moved, const std::vector<Eigen::Matrix3d>& rotations) const;
+    double elastic(const Columns& moved, const std::vector<Eigen::Matrix3d>& rotations,
+                   Columns* gradient = nullptr) const;
+    Columns freeRows(const Columns& all) const;
+    Columns allRows(const Columns& free) const;
+    double softEnergy(const Columns& moved, const Columns& misses, Columns& gradient) const;
+    Columns softSolution(const Columns& gradient) const;
+    int unfold(Columns& moved, const Columns& begin, const Columns& misses) const;
 };
 
 void RigidPull::Data::addCells(const far::CellComplex& base) {
@@ -174,6 +188,7 @@ void RigidPull::Data::addCells(const far::CellComplex& base) {
     constexpr double kLeast = 1e-6;
     for (double& weight : weights)
         weight = std::max(weight, kLeast * total / static_cast<double>(weights.size()));
+    maxStep = 0.5 * total / static_cast<double>(weights.size());
 }
 
 /// Finds the vertices that stay, from the options and the reach.
@@ -253,8 +268,13 @@ void RigidPull::Data::factorMatrix() {
     if (factor.info() != Eigen::Success) throw Error("the matrix of the pull cannot be factored");
     responses = factor.solve(rows);
     Eigen::MatrixXd small = rows.transpose() * responses;
-    small.diagonal().array() += softness;
-    compliance.compute(small);
+    const Eigen::Index count = small.rows();
+    const auto identity = Eigen::MatrixXd::Identity(count, count);
+    compliance.compute(small + softness * identity);
+    // Reaches targets up to about 1e-3 of an edge, without crushing cells where that cannot be had.
+    constexpr double kSoft = 1e3;
+    softPull = kSoft * pullWeight;
+    softCompliance.compute(small + 1 / (softPull - pullWeight) * identity);
 }
 
 /// Returns the displacements where the iteration begins.
@@ -332,20 +352,31 @@ Columns RigidPull::Data::missesOf(const Columns& moved, const Columns& misses) c
 /// a constraint with a small compliance, which keeps the digits that a large weight would cost.
 Columns RigidPull::Data::solution(const Columns& right, const Columns& misses) const {
     const Columns free = factor.solve(right);
-    Columns moved = Columns::Zero(static_cast<Eigen::Index>(rest.size()), 3);
-    const auto put = [&](const Columns& values) {
-        for (std::size_t v = 0; v < rest.size(); ++v)
-            if (freeOf[v] >= 0) moved.row(static_cast<Eigen::Index>(v)) = values.row(freeOf[v]);
-    };
-    put(free);
-    if (deformation.rowCount() == 0) return moved;
-    const Columns forces = compliance.solve(Columns(-missesOf(moved, misses)));
-    put(free + responses * forces);
-    return moved;
+    if (deformation.rowCount() == 0) return allRows(free);
+    const Columns forces = compliance.solve(Columns(-missesOf(allRows(free), misses)));
+    return allRows(free + responses * forces);
 }
 
-double RigidPull::Data::elastic(const Columns& moved,
-                                const std::vector<Eigen::Matrix3d>& rotations) const {
+/// Returns the rows of the free vertices.
+Columns RigidPull::Data::freeRows(const Columns& all) const {
+    Columns free(freeCount, 3);
+    for (std::size_t v = 0; v < rest.size(); ++v)
+        if (freeOf[v] >= 0) free.row(freeOf[v]) = all.row(static_cast<Eigen::Index>(v));
+    return free;
+}
+
+/// Returns the rows of all vertices, of which the fixed ones are 0.
+Columns RigidPull::Data::allRows(const Columns& free) const {
+    Columns all = Columns::Zero(static_cast<Eigen::Index>(rest.size()), 3);
+    for (std::size_t v = 0; v < rest.size(); ++v)
+        if (freeOf[v] >= 0) all.row(static_cast<Eigen::Index>(v)) = free.row(freeOf[v]);
+    return all;
+}
+
+/// Returns the first sum of E. Adds its derivatives to `gradient`, if given: those of rotations
+/// that are the best are 0.
+double RigidPull::Data::elastic(const Columns& moved, const std::vector<Eigen::Matrix3d>& rotations,
+                                Columns* gradient) const {
     double energy = 0;
     for (Index cell = 0; cell < cellCount(); ++cell) {
         const Vector base = moved.row(corners[starts[cell]]);
@@ -353,12 +384,75 @@ double RigidPull::Data::elastic(const Columns& moved,
         for (Index a = starts[cell]; a < starts[cell + 1]; ++a)
             middle += moved.row(corners[a]).transpose() - base;
         middle /= static_cast<double>(starts[cell + 1] - starts[cell]);
-        for (Index a = starts[cell]; a < starts[cell + 1]; ++a)
-            energy += weights[cell] * (offsets[a] + moved.row(corners[a]).transpose() - base -
-                                       middle - rotations[cell] * offsets[a])
-                                          .squaredNorm();
+        for (Index a = starts[cell]; a < starts[cell + 1]; ++a) {
+            const Vector miss = offsets[a] + moved.row(corners[a]).transpose() - base - middle -
+                                rotations[cell] * offsets[a];
+            energy += weights[cell] * miss.squaredNorm();
+            // The misses of a cell sum to 0, so that the mean of the vertices does not matter.
+            if (gradient != nullptr)
+                gradient->row(corners[a]) += (2 * weights[cell] * miss).transpose();
+        }
     }
     return energy;
+}
+
+/// Returns E with the barrier and soft pulls. Sets its derivatives, unless it is infinite.
+double RigidPull::Data::softEnergy(const Columns& moved, const Columns& misses,
+                                   Columns& gradient) const {
+    Columns all = Columns::Zero(moved.rows(), 3);
+    double energy = barrier.energy(moved, &all);
+    if (!std::isfinite(energy)) return energy;
+    std::vector<Eigen::Matrix3d> rotations;
+    rotate(moved, rotations);
+    energy += elastic(moved, rotations, &all);
+    const Columns left = missesOf(moved, misses);
+    for (Index k = 0; k < deformation.rowCount(); ++k) {
+        const auto columns = deformation.columns(k);
+        for (std::size_t a = 0; a < columns.size(); ++a)
+            all.row(columns[a]) += 2 * softPull * deformation.weights(k)[a] * left.row(k);
+    }
+    gradient = freeRows(all);
+    return energy + softPull * left.squaredNorm();
+}
+
+/// Returns the displacements of the free vertices whose derivatives of E without the barrier, with
+/// given rotations and soft pulls, differ by `gradient`.
+Columns RigidPull::Data::softSolution(const Columns& gradient) const {
+    const Columns free = factor.solve(Columns(0.5 * gradient));
+    if (deformation.rowCount() == 0) return free;
+    const Columns none = Columns::Zero(deformation.rowCount(), 3);
+    return free + responses * softCompliance.solve(Columns(-missesOf(allRows(free), none)));
+}
+
+/// Takes a pose that may fold cells to a minimum of softEnergy(). Starts at the best of the poses
+/// on the way from rest, and of `begin`. \returns the number of iterations
+int RigidPull::Data::unfold(Columns& moved, const Columns& begin, const Columns& misses) const {
+    Columns unused;
+    Columns best = Columns::Zero(moved.rows(), 3);
+    double least = softEnergy(best, misses, unused);
+    const auto offer = [&](const Columns& other) {
+        const double energy = softEnergy(other, misses, unused);
+        if (energy < least) {
+            least = energy;
+            best = other;
+        }
+        return std::isfinite(energy);
+    };
+    // Only up to the first fold: behind it, cells may be inside out that the barrier does not show.
+    constexpr int kParts = 16;
+    for (int part = 1; part <= kParts; ++part)
+        if (!offer(static_cast<double>(part) / kParts * moved)) break;
+    offer(begin);
+    Columns free = freeRows(best);
+    const int iterations = minimise(
+        free,
+        [&](const Columns& x, Columns& gradient) {
+            return softEnergy(allRows(x), misses, gradient);
+        },
+        [&](const Columns& gradient) { return softSolution(gradient); },
+        {options.tolerance * diagonal, maxStep, options.maxIterations});
+    moved = allRows(free);
+    return iterations;
 }
 
 RigidPull::RigidPull(const far::CellComplex& base, std::span<const Point3> rest,
@@ -381,6 +475,11 @@ RigidPull::RigidPull(const far::CellComplex& base, std::span<const Point3> rest,
     data->addCells(base);
     data->findFixed(base, rest);
     data->factorMatrix();
+    if (options.preventsFolds) {
+        std::vector<char> isFixed;
+        for (const Index free : data->freeOf) isFixed.push_back(static_cast<char>(free < 0));
+        data->barrier = FoldBarrier(far::TopologyRefiner(base), rest, isFixed);
+    }
     data_ = data;
 }
 
@@ -419,6 +518,7 @@ RigidPose RigidPull::solve(std::span<const Point3> misses, std::span<const Point
             if (data.freeOf[v] >= 0)
                 moved.row(static_cast<Eigen::Index>(v)) = vectorOf(start[v]).transpose();
         }
+    const Columns begin = moved;
     std::vector<Eigen::Matrix3d> rotations;
     while (pose.iterations < data.options.maxIterations) {
         checkCancelled();
@@ -428,6 +528,10 @@ RigidPose RigidPull::solve(std::span<const Point3> misses, std::span<const Point
         const double change = (next - moved).rowwise().norm().maxCoeff();
         moved = next;
         if (change <= data.options.tolerance * data.diagonal) break;
+    }
+    if (data.barrier.energy(moved) > 0) {
+        pose.meetsBarrier = true;
+        pose.iterations += data.unfold(moved, begin, wanted);
     }
     data.rotate(moved, rotations);
     const Eigen::VectorXd distances = data.missesOf(moved, wanted).rowwise().norm();

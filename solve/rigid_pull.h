@@ -30,9 +30,13 @@ struct RigidPullOptions {
     double reach = 0.5;
 
     /// The iteration ends when no vertex moves by more than this part of the diagonal of the box
-    /// around the lattice, 0 or more; or after this number of iterations, 1 or more.
+    /// around the lattice, 0 or more; or after this number of iterations, 1 or more. At the
+    /// barrier, the quasi-Newton method adds at most as many again.
     double tolerance = 1e-6;
     int maxIterations = 500;
+
+    /// Keep cells from folding: see RigidPull.
+    bool preventsFolds = true;
 };
 
 /// A pose of a lattice whose cells stay as rigid as they can.
@@ -40,8 +44,9 @@ struct RigidPose {
     std::vector<Point3> displacements;  ///< one for each vertex
     double largestMiss = 0;             ///< largest distance of a point from its target
     double rmsMiss = 0;                 ///< root mean square of the distances
-    double energy = 0;                  ///< E: see RigidPull
+    double energy = 0;                  ///< E without the barrier: see RigidPull
     int iterations = 0;
+    bool meetsBarrier = false;  ///< cells would fold, or nearly, without the barrier
 };
 
 /// Pulls points of a model, while the cells of the lattice stay as rigid as they can: a pulled hand
@@ -63,9 +68,20 @@ struct RigidPose {
 /// rigid motion of all pulls, pins and frozen vertices, if there is one; else at the rigid motion
 /// that fits best, if no vertex stays; else at rest. The result is a local minimum.
 ///
+/// If cells of that pose fold, or nearly fold, E gets a barrier, which grows without bound as a
+/// refined cell folds (solve/fold_barrier.h), and s² is 1e3 of the mean of the diagonal: so cells
+/// stay valid, and points that cannot reach their targets stay away from them by `largestMiss`. A
+/// quasi-Newton method with the same factors begins at a valid pose, and each of its steps leads to
+/// a pose that is valid at the places where the barrier looks. Between these places a cell may
+/// still fold, if a pull is longer than the limb that it pushes together; solve::ValidityCheck
+/// finds these cells. The barrier assumes the default options of refinement. Lattices of which
+/// cells are bad at rest have it in their other cells.
+///
 /// Immutable; any number of threads may use one at once. Results do not depend on the number of
 /// threads.
 ///
+/// \cite Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation of hyperelastic
+///       materials
 /// \cite Sorkine & Alexa 2007, As-rigid-as-possible surface modeling, sections 2 and 3
 /// \cite Chao, Pinkall, Sanan & Schröder 2010, A simple geometric model for elastic deformations
 class ESPALIER_API RigidPull {
@@ -79,7 +95,9 @@ public:
     ///         finite or more than 1e90 apart, sizes that do not match, a weight that is not
     ///         finite, a point whose row is empty (it is outside), a pulled point that only
     ///         vertices move that stay
-    /// \cost a sparse Cholesky factor of the vertices, and a solution with it for each point
+    /// \cost a sparse Cholesky factor of the vertices, and a solution with it for each point; for
+    /// the
+    ///       barrier refinement to level 2, and of an eighth of the cells to level 3
     RigidPull(const far::CellComplex& base, std::span<const Point3> rest,
               const stencils::StencilTable<double>& deformation,
               const RigidPullOptions& options = {});
@@ -95,7 +113,8 @@ public:
     /// \throws Error for sizes that do not match; TargetError for a miss that is not finite or
     ///         larger than 1e90
     /// \cost for each iteration O(Σ vertices of the cells + entries of the factor); 0.2 ms for a
-    ///       lattice of 500 vertices
+    ///       lattice of 500 vertices. At the barrier 0.4 ms, and as many iterations again; many
+    ///       more evaluations if a pose is far from the targets
     RigidPose solve(std::span<const Point3> misses, std::span<const Point3> start = {}) const;
 
 private:

@@ -148,8 +148,8 @@ TEST(RigidPull, IsTheSameAsItsDefinition) {
                                shapes::cellMiddle(lattice.complex, lattice.positions, 0)});
         const std::vector<Point3> wanted = {{0.5, -0.2, -0.4}, {0, 0, 0}};
         for (const int iterations : {1, 2, 10}) {
-            const auto pull =
-                handles.pull({.pins = {1}, .tolerance = 0, .maxIterations = iterations});
+            const auto pull = handles.pull(
+                {.pins = {1}, .tolerance = 0, .maxIterations = iterations, .preventsFolds = false});
             ASSERT_FALSE(pull.fixedVertices().empty());
             const auto pose = pull.solve(wanted);
             EXPECT_EQ(pose.iterations, iterations);
@@ -220,9 +220,13 @@ TEST(RigidPull, TheEnergyNeverIncreases) {
     const std::vector<Point3> wanted = {{3, 1, -4}, {-2, 3, 2}, {0, 0, 0}};
     double before = kInfinity;
     for (int iterations = 1; iterations <= 40; ++iterations) {
-        const auto pose =
-            handles.pull({.pins = {2}, .reach = 0.9, .tolerance = 0, .maxIterations = iterations})
-                .solve(wanted);
+        const auto pose = handles
+                              .pull({.pins = {2},
+                                     .reach = 0.9,
+                                     .tolerance = 0,
+                                     .maxIterations = iterations,
+                                     .preventsFolds = false})
+                              .solve(wanted);
         EXPECT_LE(pose.energy, before * (1 + 1e-12)) << iterations;  // rounding of the sums
         before = pose.energy;
     }
@@ -275,6 +279,45 @@ TEST(RigidPull, APulledHandBendsTheArmWithoutFolds) {
                 EXPECT_EQ(moved[v], handles.lattice.positions[v]);
             }
     }
+}
+
+// Pulls that push limbs together, up to their length. Without the barrier, many fold cells.
+TEST(RigidPull, PullsIntoTheBodyDoNotFold) {
+    int foldedWithout = 0;
+    for (const auto& [lattice, length] : {std::pair(figure(), 5.0), std::pair(twoLegs(), 2.0)})
+        for (const double part : {0.6, 0.8, 1.0})
+            for (const Point3& direction : {Point3{1, 0, 0}, {1, 0.5, -0.5}, {0, 0.1, -1}}) {
+                const Handles handles(
+                    lattice, {lattice.positions.size() < 100 ? Point3{0.4, 0.4, 3.6} : kLeftHand});
+                const std::vector<Point3> wanted = {scaled(direction, part * length)};
+                const RigidPull pull = handles.pull();
+                const auto pose = pull.solve(wanted);
+                EXPECT_EQ(folds(handles, pose.displacements), 0U) << direction[0] * part;
+                for (const Index vertex : pull.fixedVertices())
+                    EXPECT_EQ(pose.displacements[vertex], Point3{});
+                const auto free = handles.pull({.preventsFolds = false}).solve(wanted);
+                EXPECT_FALSE(free.meetsBarrier);
+                if (folds(handles, free.displacements) == 0) continue;
+                ++foldedWithout;
+                EXPECT_TRUE(pose.meetsBarrier);
+                EXPECT_LT(pose.largestMiss, 0.05 * length);
+            }
+    EXPECT_GT(foldedWithout, 4);
+}
+
+// Each frame of a drag against the barrier starts from the one before, and few iterations do.
+TEST(RigidPull, NoFrameOfADragFolds) {
+    const Handles handles(figure(), {kLeftHand});
+    const RigidPull pull = handles.pull({.maxIterations = 10});
+    std::vector<Point3> pose;
+    bool meets = false;
+    for (int frame = 1; frame <= 20; ++frame) {
+        const auto next = pull.solve(std::vector<Point3>{{0.2 * frame, 0, 0}}, pose);
+        EXPECT_EQ(folds(handles, next.displacements), 0U) << frame;
+        meets = meets || next.meetsBarrier;
+        pose = next.displacements;
+    }
+    EXPECT_TRUE(meets);
 }
 
 // The reach is the definition in the header, with distances from the pulls alone.
