@@ -10,6 +10,8 @@
 #include <espalier/io/targets.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/rigid_pull.h>
+#include <espalier/solve/validity.h>
+#include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,6 +41,7 @@ struct FitCommandOptions : BindOptions {
     bool isStiff = false;
     std::vector<const CLI::Option*> ofLeastMovement;  ///< options of solve::fitLattice() alone
     std::optional<double> reach;
+    bool noInverted = false;
     HoldOptions hold;
     std::optional<solve::Smoothing> smoothing;
     solve::FitOptions fit;
@@ -201,11 +204,38 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options, const bind::
     return carried;
 }
 
+/// Cells of a level that a pose turns inside out.
+struct FoldCount {
+    std::size_t inverted = 0;
+    Index cells = 0;  ///< of the level
+    int level = 0;
+};
+
+/// Counts the cells that a pose turns inside out, on the level of the points; in the limit on level
+/// 3. Empty unless refined cells move the points.
+std::optional<FoldCount> countFolds(const FitCommandOptions& options, const Lattice& lattice,
+                                    std::span<const Point3> displacements) {
+    if (options.basis) return {};
+    constexpr int kLimitLevel = 3;
+    const int level = options.limit ? kLimitLevel : options.level;
+    const auto refiner = refineLattice(options.rest, lattice, options.common, level);
+    std::vector<Point3> pose;
+    for (std::size_t v = 0; v < displacements.size(); ++v)
+        pose.push_back(sum(lattice.positions[v], displacements[v]));
+    const auto& complex = refiner.level(level).complex;
+    const solve::ValidityCheck check(complex,
+                                     stencils::refinePositions(refiner, level, lattice.positions));
+    const auto validity = check.check(stencils::refinePositions(refiner, level, pose));
+    return FoldCount{validity.inverted.size(), complex.count(3), level};
+}
+
 /// The result of a fit, of one of the two kinds.
 struct FitResult {
     solve::LatticeFit fit;
     Index fixedCount = 0;           ///< the vertices that a pull that bends keeps in place
     std::optional<int> iterations;  ///< of a pull that bends
+    bool meetsBarrier = false;      ///< the pull would fold cells without the barrier
+    std::optional<FoldCount> folds = {};
 };
 
 /// Fits the lattice. An error in a target names its point, and the file and line of the target.
@@ -224,7 +254,8 @@ FitResult fitNamingTargets(const FitCommandOptions& options, const FitRows& rows
         const auto pose = rigid.solve(pointTargets.misses);
         return {{pose.displacements, pose.largestMiss, pose.rmsMiss, 1},
                 static_cast<Index>(rigid.fixedVertices().size()),
-                pose.iterations};
+                pose.iterations,
+                pose.meetsBarrier};
     } catch (const solve::TargetError& error) {
         const io::Target& target = pointTargets.targets[error.row()];
         throwOfTarget(options, target.line,
@@ -293,13 +324,20 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
                             all, printable(options.rest)));
 }
 
+/// Returns the largest distance of a point from its target before the fit.
+double longestWay(const PointTargets& pointTargets) {
+    double longest = 0;
+    for (const Point3& miss : pointTargets.misses) longest = std::max(longest, length(miss));
+    return longest;
+}
+
 /// \param leftOut number of targets that carriedTargets() leaves out
 void printFit(const FitCommandOptions& options, const PointTargets& pointTargets,
               std::size_t leftOut, std::size_t heldCount, const FitResult& result) {
     const solve::LatticeFit& fit = result.fit;
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
-        largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
+        largest = std::max(largest, length(displacement));
     if (options.report == ReportFormat::Json) {
         OrderedJson json = {
             {"targets", pointTargets.targets.size()},
@@ -314,7 +352,9 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
             json.erase("condition");
             json["fixed_vertices"] = result.fixedCount;
             json["iterations"] = *result.iterations;
+            json["held_back"] = result.meetsBarrier;
         }
+        if (result.folds) json["folded_cells"] = result.folds->inverted;
         fmt::print("{}\n", json.dump(2));
         return;
     }
@@ -337,6 +377,18 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
             "possible; --smoothing chooses otherwise\n");
     else
         fmt::print("condition number      {:.3g}\n", fit.condition);
+    if (result.meetsBarrier)
+        fmt::print(
+            "held back             cells would fold: they stay open, {:.3g} of the way from a "
+            "target; pull less far, or let more move with --reach\n",
+            fit.largestMiss / longestWay(pointTargets));
+    if (result.folds)
+        fmt::print(
+            "folded cells          {} of {} of level {}{}\n", result.folds->inverted,
+            result.folds->cells, result.folds->level,
+            result.folds->inverted == 0
+                ? ""
+                : "; pull less far, or let more move with --reach; espalier check names them");
 }
 
 void runFit(const FitCommandOptions& options) {
@@ -364,9 +416,18 @@ void runFit(const FitCommandOptions& options) {
     fitOptions.frozen = frozenVertices(options, held, lattice);
     fitOptions.smoothing = options.smoothing.value_or(
         options.pulls.empty() ? solve::Smoothing::None : solve::Smoothing::Tikhonov);
-    const auto result = stages.run("solving", [&] {
+    auto result = stages.run("solving", [&] {
         return fitNamingTargets(options, rows, pointTargets, lattice, fitOptions);
     });
+    if (!options.pulls.empty())
+        result.folds = stages.run("checking cells", [&] {
+            return countFolds(options, lattice, result.fit.displacements);
+        });
+    if (options.noInverted && result.folds && result.folds->inverted > 0)
+        throw FailedCheck(fmt::format(
+            "--no-inverted: the pose turns {} of {} cells of level {} inside out; nothing is "
+            "written. Pull less far, or let more move with --reach",
+            result.folds->inverted, result.folds->cells, result.folds->level));
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c)
             lattice.positions[v][c] += result.fit.displacements[v][c];
@@ -428,6 +489,11 @@ void addFitCommand(CLI::App& program) {
         command.add_flag("--stiff", options.isStiff,
                          "Pull stiffly: without bending. The vertices move as little as possible, "
                          "each for itself, as with --smoothing tikhonov");
+    CLI::Option* const noInverted =
+        command.add_flag("--no-inverted", options.noInverted,
+                         "Write nothing if pulls turn cells inside out; exit code 3");
+    noInverted->needs(command.get_option("--pull"));
+    options.ofSubdivision.push_back(noInverted);
     stiff->needs(command.get_option("--pull"));
     reach->needs(command.get_option("--pull"))->excludes(stiff);
     reach->excludes(command.get_option("--targets"));

@@ -105,6 +105,25 @@ class Fit(CliTest):
         self.assertRegex(self.error_of("fit", "model.obj", "--rest", "rest.ovm", *pull, "--pin", 0.9, 0.5, 0.5, "-o",
                                        "p.ovm"), r"--pin 0.9 0.5 0.5: the nearest point is \d+, which has a target")
 
+    def test_folds_are_counted(self):
+        # The end of a bar is pushed through its middle; without rigid cells they fold.
+        self.run_program("shape", "box", "--cells", 1, 1, 6, "--min", 0, 0, 0, "--max", 1, 1, 6, "-o", "bar.ovm")
+        self.put("bar.obj", "v 0.5 0.5 5.8\nv 0.5 0.5 0.2\n")
+        fit = ["fit", "bar.obj", "--rest", "bar.ovm", "-n", 2, "--pull", 0.5, 0.5, 6, 0, 0]
+        out = self.run_program(*fit, -2.4, "-o", "pose.ovm").stdout
+        self.assertRegex(out, r"held back +cells would fold: they stay open, [-0-9.e]+ of the way from a target; pull less")
+        self.assertRegex(out, r"folded cells +0 of 384 of level 2\n")
+        self.run_program("check", "pose.ovm", "--rest", "bar.ovm", "-n", 2)
+        self.assertNotIn("held back", self.run_program(*fit, 0.5, "-o", "pose.ovm").stdout)
+        report = json.loads(self.run_program(*fit, -2.4, "--report", "json", "-o", "pose.ovm").stdout)
+        self.assertEqual((report["held_back"], report["folded_cells"]), (True, 0))
+        stiff = [*fit, -5, "--stiff"]
+        self.assertRegex(self.run_program(*stiff, "-o", "stiff.ovm").stdout,
+                         r"folded cells +[1-9]\d* of 384 of level 2; pull less far")
+        self.assertIn("--no-inverted: the pose turns",
+                      self.error_of(*stiff, "--no-inverted", "-o", "refused.ovm", code=3))
+        self.assertFalse((self.path / "refused.ovm").exists())
+
     def test_a_pull_from_far_away_is_refused(self):
         # From 1e16 sizes away, the distances of all points are equal: the difference is rounded away.
         for place in (1e16, 1e308):
