@@ -144,6 +144,8 @@ typedef struct espalier_pull_quality {
     double rms_miss;      ///< root mean square of these distances
     double energy;        ///< 0 for a rigid motion; see solve/rigid_pull.h
     int32_t iterations;
+    int32_t meets_barrier;  ///< 1 if cells would fold, or nearly, without the barrier that keeps
+                            ///< them open: points may then stay away from their targets; else 0
 } espalier_pull_quality;
 
 /// Finds the displacements of the vertices for some targets.

@@ -175,7 +175,8 @@ espalier_status espalier_pull_solve(const espalier_pull* pull, int32_t point_cou
         std::memcpy(displacements, pose.displacements.data(),
                     pose.displacements.size() * sizeof(Point3));
         if (quality != nullptr)
-            *quality = {pose.largestMiss, pose.rmsMiss, pose.energy, pose.iterations};
+            *quality = {pose.largestMiss, pose.rmsMiss, pose.energy, pose.iterations,
+                        pose.meetsBarrier ? 1 : 0};
     });
 }
 

@@ -72,8 +72,10 @@ void addPull(py::module_& module) {
                       "The root mean square of these distances: float.")
         .def_readonly("energy", &solve::RigidPose::energy,
                       "How far the cells are from rigid motions: float; 0 for a rigid motion.")
-        .def_readonly("iterations", &solve::RigidPose::iterations,
-                      "The number of iterations: int.");
+        .def_readonly("iterations", &solve::RigidPose::iterations, "The number of iterations: int.")
+        .def_readonly("meets_barrier", &solve::RigidPose::meetsBarrier,
+                      "True if cells would fold, or nearly, without the barrier that keeps them "
+                      "open; points may then stay away from their targets: bool.");
     py::class_<Pull>(module, "RigidPull", R"(
 Pulls points while the cells of a lattice stay as rigid as they can: a pulled hand bends its arm.
 The matrix is factored once, for any number of targets of the same points.

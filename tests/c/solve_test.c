@@ -93,7 +93,7 @@ static void test_pull(void) {
     OK(espalier_pull_solve(pull, POINTS, misses, BOX_VERTICES, NULL, moved, &quality));
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(fabs(moved[i] - misses[i % 3]) < 1e-9);
     CHECK(quality.largest_miss < 1e-9 && quality.rms_miss < 1e-9 && quality.energy < 1e-12);
-    CHECK(quality.iterations >= 1);
+    CHECK(quality.iterations >= 1 && quality.meets_barrier == 0);
     /* From the pose before, which is the result. */
     OK(espalier_pull_solve(pull, POINTS, misses, BOX_VERTICES, moved, moved, NULL));
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(fabs(moved[i] - misses[i % 3]) < 1e-9);
@@ -123,6 +123,13 @@ static void test_pull(void) {
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) moved[i] += rest[i];
     OK(espalier_binding_apply(binding, BOX_VERTICES, moved, POINTS, carried));
     for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(carried[i] - points[i] - up[i]) < 1e-6);
+    espalier_pull_destroy(pull);
+
+    /* The first point is pushed through the lattice, whose farther vertices stay. */
+    const double through[3 * POINTS] = {3, 3, 3, 0, 0, 0};
+    OK(espalier_pull_create(lattice, BOX_VERTICES, rest, table, POINTS, NULL, NULL, &pull));
+    OK(espalier_pull_solve(pull, POINTS, through, BOX_VERTICES, NULL, moved, &quality));
+    CHECK(quality.meets_barrier == 1);
     espalier_pull_destroy(pull);
     espalier_pull_destroy(NULL);
 

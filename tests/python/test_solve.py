@@ -48,6 +48,8 @@ def test_pulls_keep_cells_rigid(rest, points, binding):
     again = pull.solve([[0.1, 0, 0.1], [0, 0, 0]], start=pose.displacements)
     np.testing.assert_allclose(again.displacements, pose.displacements, atol=1e-3)
     np.testing.assert_allclose((binding.matrix @ pose.displacements)[[17, 4]], [[0.1, 0, 0.1], [0, 0, 0]], atol=1e-6)
+    assert not pose.meets_barrier
+    assert pull.solve([[0, 0, -3], [0, 0, 0]]).meets_barrier or pull.solve([[0, 0, 3], [0, 0, 0]]).meets_barrier
     with pytest.raises(ValueError, match="^rows: there is no row 500"):
         espalier.RigidPull(rest, binding, rows=[500])
     with pytest.raises(ValueError, match="max_iterations: expected 1 or more, got 0"):

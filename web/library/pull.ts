@@ -25,6 +25,9 @@ export interface Pulled {
   /** largest distance of a point from its target */
   largestMiss: number;
   iterations: number;
+  /** true if cells would fold, or nearly, without the barrier that keeps them open; points may then stay away from
+   * their targets */
+  meetsBarrier: boolean;
 }
 
 /** Pulls points while the cells of the lattice stay as rigid as they can. Made by Table.pull(), for any number of
@@ -75,6 +78,7 @@ export class Pull extends Handle {
         displacements: doublesAt(core, displacements, 3 * this.vertexCount),
         largestMiss: core.HEAPF64[quality / 8],
         iterations: core.HEAP32[quality / 4 + 6],
+        meetsBarrier: core.HEAP32[quality / 4 + 7] !== 0,
       };
     });
   }

@@ -258,6 +258,7 @@ test("pulls bend the lattice", () => {
   const pull = table.pull(lattice, rest, [0, 1], { pins: [1], frozen: [0] });
   assert.ok(pull.fixedVertices().includes(0));
   const bent = pull.solve([1, 0, -0.2, 0, 0, 0]);
+  assert.equal(typeof bent.meetsBarrier, "boolean");
   assert.ok(bent.largestMiss < 1e-6 && bent.iterations > 1);
   assert.equal(bent.displacements[0], 0);
   assert.ok(pull.solve([1, 0, -0.2, 0, 0, 0], bent.displacements).iterations <= bent.iterations);
