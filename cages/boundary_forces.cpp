@@ -120,7 +120,9 @@ void BoundaryForces::match(std::span<const Point3> positions) {
 void BoundaryForces::measureFaces(std::span<const Point3> positions) {
     const std::vector<Point3> fine = surface_.fineVertices(positions);
     const std::vector<Point3> finest = surface_.finestVertices(fine);
-    const std::span<const std::array<Index, 4>> loops = surface_.fineFaces().loops;
+    const CageSurface::Faces& faces = surface_.fineFaces();
+    const std::span<const std::array<Index, 4>> loops = faces.loops;
+    std::vector<Point3> hull;
     fineFaces_.assign(loops.size(), {});
     for (std::size_t f = 0; f < loops.size(); ++f) {
         checkCancelledEvery(f, 12);
@@ -130,13 +132,14 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
         const Point3 normal = cross(difference(fine[c], fine[a]), difference(fine[d], fine[b]));
         const double size = length(normal);
         if (size > 0) face.normal = scaled(normal, 1 / size);
-        const auto deepen = [&](std::span<const Index> vertices, std::span<const Point3> points) {
-            for (const Index vertex : vertices)
-                face.depth =
-                    std::max(face.depth, dot(face.normal, difference(face.centre, points[vertex])));
-        };
-        deepen(loops[f], fine);
-        deepen(surface_.finestHull(static_cast<Index>(f)), finest);
+        faces.limitHull(static_cast<Index>(f), fine, hull);
+        if (faces.isPatch[f] == 0) {
+            hull.assign({fine[a], fine[b], fine[c], fine[d]});
+            for (const Index vertex : surface_.finestHull(static_cast<Index>(f)))
+                hull.push_back(finest[vertex]);
+        }
+        for (const Point3& point : hull)
+            face.depth = std::max(face.depth, dot(face.normal, difference(face.centre, point)));
         // Deeper hulls are of faces that are still folded.
         face.depth = std::min(face.depth, 0.1 * edge_);
     }

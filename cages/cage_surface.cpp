@@ -157,8 +157,15 @@ CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFac
     // The faces around each corner of a face count, up to the sharp edges: the limit of the face
     // does not depend on the faces beyond them.
     std::vector<Index> hull;
+    isPatch.assign(loops.size(), 0);
     for (Index face = 0; face < mesh.count(2); ++face) {
         checkCancelledEvery(face, 12);
+        if (const auto points = controlPoints(level, face)) {
+            isPatch[face] = 1;
+            hulls.insert(hulls.end(), points->begin(), points->end());
+            hullOffsets.push_back(static_cast<Offset>(hulls.size()));
+            continue;
+        }
         hull.clear();
         for (std::size_t corner = 0; corner < 4; ++corner) {
             const Index vertex = loops[face][corner];
@@ -189,6 +196,70 @@ CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFac
         hulls.insert(hulls.end(), hull.begin(), hull.end());
         hullOffsets.push_back(static_cast<Offset>(hulls.size()));
     }
+}
+
+std::optional<std::array<Index, 16>> CageSurface::Faces::controlPoints(const far::Level& level,
+                                                                       Index face) const {
+    const far::CellComplex& mesh = level.complex;
+    const auto& edgesOfVertex = mesh.relation(0, 1);
+    for (const Index vertex : loops[face]) {
+        const auto edges = edgesOfVertex[vertex];
+        if (edges.size() != 4 || level.strata.of({0, vertex}) < 2) return std::nullopt;
+        for (const Index edge : edges)
+            if (level.strata.of({1, edge}) < 2) return std::nullopt;
+    }
+    // The sides of a face follow its loop. The next face is behind a side, and its loop runs along
+    // the side the other way.
+    struct Side {
+        Index face;
+        std::size_t number;
+    };
+    const auto behind = [&](const Side& side) {
+        const Index edge = mesh.relation(2, 1)[side.face][side.number];
+        const auto pair = mesh.relation(1, 2)[edge];
+        const Index other = pair[0] == side.face ? pair[1] : pair[0];
+        const auto edges = mesh.relation(2, 1)[other];
+        const auto place = std::ranges::find(edges, edge) - edges.begin();
+        return Side{other, static_cast<std::size_t>(place)};
+    };
+    const auto corner = [&](const Side& side, std::size_t ahead) {
+        return loops[side.face][(side.number + ahead) % 4];
+    };
+    // For each side: its first corner, the points beside the side, and the point across the corner.
+    constexpr std::array<std::array<std::size_t, 4>, 4> kPlaces = {
+        {{5, 1, 2, 0}, {6, 7, 11, 3}, {10, 14, 13, 15}, {9, 8, 4, 12}}};
+    std::array<Index, 16> points = {};
+    for (std::size_t side = 0; side < 4; ++side) {
+        const Side next = behind({face, side});
+        const Side across = behind({next.face, (next.number + 1) % 4});
+        points[kPlaces[side][0]] = loops[face][side];
+        points[kPlaces[side][1]] = corner(next, 2);
+        points[kPlaces[side][2]] = corner(next, 3);
+        points[kPlaces[side][3]] = corner(across, 3);
+    }
+    return points;
+}
+
+void CageSurface::Faces::limitHull(Index face, std::span<const Point3> vertices,
+                                   std::vector<Point3>& points) const {
+    points.clear();
+    for (const Index vertex : hull(face)) points.push_back(vertices[vertex]);
+    if (isPatch[face] == 0) return;
+    // From control points of a B-spline to Bézier points, along both directions.
+    const auto convert = [&](std::size_t first, std::size_t step) {
+        std::array<Point3*, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) p[i] = &points[first + i * step];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double a = (*p[0])[axis], b = (*p[1])[axis], c = (*p[2])[axis], d = (*p[3])[axis];
+            (*p[0])[axis] = (a + 4 * b + c) / 6;
+            (*p[1])[axis] = (2 * b + c) / 3;
+            (*p[2])[axis] = (b + 2 * c) / 3;
+            (*p[3])[axis] = (b + 4 * c + d) / 6;
+        }
+    };
+    for (std::size_t i = 0; i < 4; ++i) convert(4 * i, 1);
+    for (std::size_t i = 0; i < 4; ++i) convert(i, 4);
+    for (const Index vertex : loops[face]) points.push_back(vertices[vertex]);
 }
 
 std::span<const Index> CageSurface::Faces::hull(Index face) const {
@@ -275,8 +346,9 @@ private:
     Bins columns_;
 };
 
-/// A box is put around each face. It contains either the hull of the face or its four corners.
-enum class Enclosed { Hull, Corners };
+/// A box is put around each face. It contains the hull of the face, which holds all further levels;
+/// its four corners; or its corners and its limit.
+enum class Enclosed { Hull, Corners, Limit };
 
 /// Groups of points that are not proved to be inside, and the faces that may be near them.
 struct NearGroups {
@@ -302,14 +374,16 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
     for (Index number = 0; number < std::ssize(near); ++number) {
         const Index face = near[number];
         checkCancelledEvery(number, 12);
-        hull.clear();
-        BoundingBox bounds;
-        for (const Index vertex : enclosed == Enclosed::Hull
-                                      ? surface.hull(face)
-                                      : std::span<const Index>(faces[face])) {
-            hull.push_back(vertices[vertex]);
-            bounds.include(vertices[vertex]);
+        if (enclosed == Enclosed::Limit) {
+            surface.limitHull(face, vertices, hull);
+        } else {
+            hull.clear();
+            for (const Index vertex : enclosed == Enclosed::Hull
+                                          ? surface.hull(face)
+                                          : std::span<const Index>(faces[face]))
+                hull.push_back(vertices[vertex]);
         }
+        const BoundingBox bounds(hull);
         // Enlarged by more than rounding.
         const double reach = margin + 1e-6 * grid.size;
         const auto from = grid.coordinatesOf(difference(bounds.min, {reach, reach, reach}));
@@ -405,7 +479,7 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
         for (Index child = 4 * face; child < 4 * face + 4; ++child) children.push_back(child);
     const auto atLevel =
         findNear(faces, Enclosed::Corners, found.faces, fine, points, groups, margin).groups;
-    const auto inLimit = findNear(surface.finestFaces(), Enclosed::Hull, children,
+    const auto inLimit = findNear(surface.finestFaces(), Enclosed::Limit, children,
                                   surface.finestVertices(fine), points, groups, margin)
                              .groups;
     std::vector<Uncovered> result;

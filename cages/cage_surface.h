@@ -42,8 +42,23 @@ public:
         std::vector<Index> hulls = {};
         std::vector<Index> cells = {};  ///< the cell of the lattice that each face bounds
 
+        /// True: the limit of the face is a bicubic patch. hull() then has the 4 × 4 control points
+        /// of the patch, row after row, with the corners of the face in the middle.
+        std::vector<char> isPatch = {};
+
         Faces(const far::Level& level, std::vector<Index> cells);
         std::span<const Index> hull(Index face) const;
+
+        /// Gets points whose convex hull contains the corners and the limit of a face, but not
+        /// further levels. The hull of the Bézier points of a patch is four times thinner than the
+        /// hull of its control points.
+        void limitHull(Index face, std::span<const Point3> vertices,
+                       std::vector<Point3>& hull) const;
+
+    private:
+        /// Returns the control points of the patch of a face, if its limit is one patch.
+        std::optional<std::array<Index, 16>> controlPoints(const far::Level& level,
+                                                           Index face) const;
     };
     const Faces& fineFaces() const { return *fineFaces_; }
     std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
@@ -84,7 +99,7 @@ struct Uncovered {
 /// to the point.
 ///
 /// Points that are in a box are tried again: with boxes around the four corners of each face for
-/// level 3, and with the hulls of level 4 for the limit.
+/// level 3; for the limit, with level 4 and boxes around the corners and the limit of each face.
 ///
 /// \param positions of the vertices of the lattice
 /// \param margin least distance of the points from the hulls
