@@ -190,9 +190,9 @@ void BoundaryForces::matchPushes() {
     for (Index f = 0; f < std::ssize(fineFaces_); ++f)
         entries.push_back({grid.cubeOf(fineFaces_[f].centre), f});
     const Bins facesOfCubes(grid.cubeCount(), entries);
-    const auto nearestFace = [&](const Point3& point, auto accept) {
+    const auto nearestFace = [&](const Point3& point, Index rings, auto accept) {
         return grid.nearest(
-            point, kPushRings,
+            point, rings,
             [&](Index firstCube, Index lastCube, auto visit) {
                 for (const Index f : facesOfCubes.itemsIn(firstCube, lastCube)) visit(f);
             },
@@ -217,15 +217,18 @@ void BoundaryForces::matchPushes() {
             checkCancelledEvery(g, 5);
             const auto group = static_cast<Index>(g);
             if (groups[g].isInner) continue;
-            own_[g] = nearestFace(groups[g].centre, [&](Index f) {
+            // A group without proof must push a face, even a far one.
+            const Index rings = failures_[g] > 0 ? kPullRings : kPushRings;
+            own_[g] = nearestFace(groups[g].centre, rings, [&](Index f) {
                 return faces(group, fineFaces_[f].normal) && belongs(groups[g].cell, cells[f]);
             });
             if (!groups[g].cell) continue;
             const std::vector<Index>& apart = apart_[*groups[g].cell];
             if (std::any_of(apart.begin(), apart.end(),
                             [&](Index cell) { return isNear(group, cell); }))
-                other_[g] = nearestFace(
-                    groups[g].centre, [&](Index f) { return !belongs(groups[g].cell, cells[f]); });
+                other_[g] = nearestFace(groups[g].centre, kPushRings, [&](Index f) {
+                    return !belongs(groups[g].cell, cells[f]);
+                });
         }
     });
 }
@@ -357,6 +360,13 @@ void BoundaryForces::strengthen(std::span<const Uncovered> uncovered) {
     }
     for (std::size_t c = 0; c < pullFactor_.size(); ++c)
         if (pulling_[c] && isRaised_[*pulling_[c]] != 0) pullFactor_[c] *= kFade;
+}
+
+Index BoundaryForces::countOutside(double distance) const {
+    Index count = 0;
+    for (std::size_t g = 0; g < own_.size(); ++g)
+        if (own_[g] && pushedDistance(g) < -distance) ++count;
+    return count;
 }
 
 void BoundaryForces::weakenPulls(std::span<const char> isChosen, double factor) {

@@ -61,6 +61,10 @@ public:
     /// \param uncovered groups at the positions that were last matched
     void strengthen(std::span<const Uncovered> uncovered);
 
+    /// Returns the number of groups that stick out of the faces that they push by more than a
+    /// distance.
+    Index countOutside(double distance) const;
+
     /// Multiplies the pulls on the faces of some cells.
     /// \param isChosen per cell
     void weakenPulls(std::span<const char> isChosen, double factor);
