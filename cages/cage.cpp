@@ -87,11 +87,14 @@ constexpr double kMaxVoxels = 2.5e7;
 /// Rounds of a fit with a margin: the start is further away.
 constexpr int kRoundsWithMargin = 14;
 
-/// Returns the limit of the work, in steps (work.h). Of the cages of docs/cages.md and of other
-/// options, 100 vertices took at most 5.7e9 steps of 5.8e9 (twelve shells in one another), 200
-/// vertices 5.8e9 of 7.5e9 (random triangles), and 2,000 vertices 3.1e10 of 4.5e10 (a hollow body).
-/// Parts that are kept apart took at most 4.9e9 of 5.4e9; a tangle has no such lattice, and the
-/// search for one ends earlier.
+/// Work for a voxel of the box around a model, which has a bit: most of them are empty.
+constexpr double kPerVoxel = 0.5;
+
+/// Returns the limit of the work, in steps (work.h). Before fits that are lost ended early, of the
+/// cages of docs/cages.md and of other options, 100 vertices took at most 5.7e9 steps of 5.8e9
+/// (twelve shells in one another), 200 vertices 5.8e9 of 7.5e9 (random triangles), and 2,000
+/// vertices 3.1e10 of 4.5e10 (a hollow body). Parts that are kept apart took at most 4.9e9
+/// of 5.4e9; a tangle has no such lattice, and the search for one ends earlier.
 double mostWork(std::size_t triangles, const CageOptions& options, Index vertices) {
     return (options.keepApart ? 1.2e9 : 3.3e9) + 2.1e7 * vertices +
            std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);
@@ -285,7 +288,7 @@ double CageMaker::smallestSize(const Frame& frame) const {
 
 ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
     const double size = cellSize / voxelsPerEdge(frame, cellSize);
-    constexpr double kPerVoxel = 4, kPerTriangle = 200, kPerMark = 50;
+    constexpr double kPerTriangle = 200, kPerMark = 50;
     const double marks = sizes_.area / (size * size) + sizes_.perimeter / size;
     work_.add(kPerVoxel * voxelCount(frame, cellSize, voxelsPerEdge(frame, cellSize)) +
               kPerTriangle * static_cast<double>(surface_.triangles().size()) + kPerMark * marks);
@@ -299,7 +302,7 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
 }
 
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
-    constexpr double kPerVoxel = 6, kPerUsedVoxel = 100;
+    constexpr double kPerUsedVoxel = 100;
     work_.add(kPerVoxel * voxels.grid().cubeCount() +
               kPerUsedVoxel * static_cast<double>(voxels.used().count()));
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
