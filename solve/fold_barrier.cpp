@@ -33,7 +33,8 @@ void visitTetrahedra(const far::CellComplex& complex, Index cell, const Visit& v
             corners.push_back(
                 {loop[i], loop[(i + loop.size() - 1) % loop.size()], loop[(i + 1) % loop.size()]});
     }
-    std::ranges::stable_sort(corners, {}, &Corner::vertex);
+    std::stable_sort(corners.begin(), corners.end(),
+                     [](const Corner& a, const Corner& b) { return a.vertex < b.vertex; });
     // In a type-n cell with n > 3, two vertices have n faces: they are opposite.
     Index sumOfOpposites = 0;
     const auto facesAt = [&](std::size_t first) {
