@@ -384,7 +384,8 @@ std::vector<Point3> Fit::run() {
     std::vector<Point3> kept;
     double best = -1;
     try {
-        for (int number = 0; number < options_.maxAttempts; ++number) {
+        int last = options_.maxAttempts - 1;
+        for (int number = 0; number <= last; ++number) {
             const Outcome outcome = attempt(number);
             // A little less pull does not help then. The last attempt does not pull.
             if (outcome == Outcome::LostSoon) number = std::max(number, kAttempts - 2);
@@ -394,8 +395,9 @@ std::vector<Point3> Fit::run() {
                 best = jacobian;
                 kept = positions_;
             }
-            // Another attempt may have better cells.
             if (best >= kLeastJacobian) break;
+            // The next attempt may have better cells. Those after it pull too little.
+            last = std::min(last, number + 1);
         }
     } catch (const WorkError&) {
         if (kept.empty()) throw;
