@@ -65,12 +65,14 @@ struct Part {
     double opening = 1;
 };
 
-/// Returns the parts that end between cells of different distances. The last one has all cells.
+/// Returns the parts that end between cells of different distances, and have a section. The last
+/// one has all cells.
 std::vector<Part> partsOf(const far::CellComplex& complex, std::span<const Point3> positions,
                           std::span<const Reached> reached) {
     std::vector<char> isInside(complex.count(3), 0);
     std::vector<Part> parts;
     double area = 0, volume = 0;
+    Index border = 0;  // number of faces between the part and the rest
     for (std::size_t i = 0; i < reached.size(); ++i) {
         checkCancelledEvery(static_cast<Offset>(i), 10);
         const Index cell = reached[i].cell;
@@ -82,9 +84,13 @@ std::vector<Part> partsOf(const far::CellComplex& complex, std::span<const Point
             const Index other = cells[0] == cell ? cells[1] : cells[0];
             const double size = length(areaVector(loopOf(complex, positions, face)));
             area += isInside[other] != 0 ? -size : size;
+            border += isInside[other] != 0 ? -1 : 1;
         }
         if (i + 1 < reached.size() && reached[i + 1].distance <= reached[i].distance + kEqual)
             continue;
+        // A part that only vertices join to the rest has no section: its area is 0 but for
+        // rounding.
+        if (border == 0 && i + 1 < reached.size()) continue;
         if (volume > 0)
             parts.push_back({i + 1, volume, std::max(area, 0.0) / std::pow(volume, 2.0 / 3), 1});
     }

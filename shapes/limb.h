@@ -36,7 +36,8 @@ struct Limb {
 /// their distance from the point along the cells (cell_selection.h; the distance of a cell is the
 /// mean of the distances of its vertices). Cells that no way reaches are left out. The first k
 /// cells are a part of the lattice with a volume V(k). A(k) is the area of the faces between them
-/// and the rest. Parts that end between cells of equal distances do not count.
+/// and the rest. Parts that end between cells of equal distances do not count, and neither do parts
+/// that only vertices or edges join to the rest.
 ///
 /// The width of the section of k is A(k) / V(k)^(2/3). It falls along a limb, because the volume
 /// grows and the area does not; it stays about the same for a ball that grows in a body; it rises

@@ -177,6 +177,20 @@ TEST(Limb, OtherPiecesAreLeftOut) {
     EXPECT_EQ(limbOf(lattice, {0, 2, 5}).cells, cellsIn(lattice, {0, 0, 0}, {5, 4, 6}));
 }
 
+// Two blocks touch at one vertex, where no section is. The sum of areas with signs is 0 but for
+// rounding, so that it must not count as a narrow section.
+TEST(Limb, BlocksThatTouchAtAVertexHaveNoSectionThere) {
+    const Lattice lattice = cubes({8, 7, 9}, [](int x, int y, int z) {
+        return (x < 3 && y < 2 && z < 3) || (x >= 3 && y >= 2 && z >= 3);
+    });
+    for (int i = 0; i < 40; ++i) {
+        const Affine map = scaling({1 + 0.013 * i, 1 + 0.029 * (i % 7), 1 + 0.017 * (i % 11)});
+        const Limb limb = limbOf(transformed(lattice, map), map({0, 0, 0}));
+        EXPECT_GT(limb.section.area, 1);
+        EXPECT_GT(limb.cells.size(), 18U);
+    }
+}
+
 TEST(Limb, BeyondAFaceIsTheSmallerPart) {
     const Lattice lattice = figure();
     for (const double x : {1.0, 3.0, 5.0}) {
