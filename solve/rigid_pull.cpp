@@ -424,25 +424,28 @@ Columns RigidPull::Data::softSolution(const Columns& gradient) const {
     return free + responses * softCompliance.solve(Columns(-missesOf(allRows(free), none)));
 }
 
-/// Takes a pose that may fold cells to a minimum of softEnergy(). Starts at the best of the poses
-/// on the way from rest, and of `begin`. \returns the number of iterations
+/// Takes a pose that may fold cells to a minimum of softEnergy(). Starts at `begin`, such as the
+/// last frame of a drag, or if cells fold there, at the best of the poses on the way from rest.
+/// \returns the number of iterations
 int RigidPull::Data::unfold(Columns& moved, const Columns& begin, const Columns& misses) const {
-    Columns unused;
-    Columns best = Columns::Zero(moved.rows(), 3);
-    double least = softEnergy(best, misses, unused);
-    const auto offer = [&](const Columns& other) {
-        const double energy = softEnergy(other, misses, unused);
-        if (energy < least) {
-            least = energy;
-            best = other;
+    Columns best = begin;
+    if (begin.isZero(0) || !std::isfinite(barrier.energy(begin))) {
+        Columns unused;
+        best.setZero();
+        double least = softEnergy(best, misses, unused);
+        // Only up to the first fold: behind it, cells may be inside out that the barrier does not
+        // show.
+        constexpr int kParts = 16;
+        for (int part = 1; part <= kParts; ++part) {
+            const Columns other = static_cast<double>(part) / kParts * moved;
+            const double energy = softEnergy(other, misses, unused);
+            if (!std::isfinite(energy)) break;
+            if (energy < least) {
+                least = energy;
+                best = other;
+            }
         }
-        return std::isfinite(energy);
-    };
-    // Only up to the first fold: behind it, cells may be inside out that the barrier does not show.
-    constexpr int kParts = 16;
-    for (int part = 1; part <= kParts; ++part)
-        if (!offer(static_cast<double>(part) / kParts * moved)) break;
-    offer(begin);
+    }
     Columns free = freeRows(best);
     const int iterations = minimise(
         free,

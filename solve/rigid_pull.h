@@ -113,8 +113,8 @@ public:
     /// \throws Error for sizes that do not match; TargetError for a miss that is not finite or
     ///         larger than 1e90
     /// \cost for each iteration O(Σ vertices of the cells + entries of the factor); 0.2 ms for a
-    ///       lattice of 500 vertices. At the barrier 0.4 ms, and as many iterations again; many
-    ///       more evaluations if a pose is far from the targets
+    ///       lattice of 500 vertices. At the barrier, each of the additional iterations takes
+    ///       1.5 ms: with 10 iterations, a frame of a drag takes 16 ms
     RigidPose solve(std::span<const Point3> misses, std::span<const Point3> start = {}) const;
 
 private:
