@@ -389,6 +389,8 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
             result.folds->inverted == 0
                 ? ""
                 : "; pull less far, or let more move with --reach; espalier check names them");
+    else if (!options.pulls.empty())
+        fmt::print("folded cells          not checked under a basis\n");
 }
 
 void runFit(const FitCommandOptions& options) {

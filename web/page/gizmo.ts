@@ -148,7 +148,7 @@ export class Gizmo {
     const { positions } = this.start!;
     const by = this.offset();
     const pulls = this.pulls.map((point) => ({ point, by }));
-    const moved = await editor.engine.run("pull", pulls, [...pins], positions);
+    const moved = await editor.engine.run("pull", pulls, [...pins], positions, this.controls.dragging);
     if (editor.mirrorAxis === null) return moved;
     const weights = this.weightsOfPulledSide(kAxes.indexOf(editor.mirrorAxis));
     return editor.transformed(moved, weights, editor.withMirror([]));

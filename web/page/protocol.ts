@@ -218,8 +218,9 @@ export interface Jobs {
    * they can. Calls with the same points, pins and positions are the frames of one drag.
    * @param pins points that stay
    * @param positions of the vertices before the drag
+   * @param isFrame whether more frames follow: each takes few iterations
    */
-  pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Array;
+  pull(pulls: Pull[], pins: number[], positions: Float64Array, isFrame?: boolean): Float64Array;
   /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
   transform(
     positions: Float64Array,

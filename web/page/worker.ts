@@ -53,9 +53,17 @@ let library: Espalier;
 let models: OpenModel[] = [];
 let lattice: { file: Lattice; rest: Float64Array; refiner: Refiner } | null = null;
 /** The pull of a drag, and the displacements of its last frame. */
-let pulling: { key: string; pull: LatticePull; last?: Float64Array } | null = null;
+let pulling: Pulling | null = null;
 let surface: { level: number; evaluator: Evaluator } | null = null;
 let validity: { check: Validity; cells: Int32Array } | null = null;
+
+interface Pulling {
+  /** of the points and the positions */
+  key: string;
+  isFrame: boolean;
+  pull: LatticePull;
+  last?: Float64Array;
+}
 
 interface OpenModel {
   file: Model;
@@ -382,21 +390,33 @@ function checkOfPoses() {
   return validity;
 }
 
-/** The positions of vertices that pull points, so that limbs bend: as `espalier fit --pull`. Each frame of a drag starts
- * from the frame before. */
-function pull(pulls: Pull[], pins: number[], positions: Float64Array): Float64Array {
+/** Iterations for a frame of a drag: each goes on from the frame before. */
+const kIterationsOfFrame = 20;
+
+/** The positions of vertices that pull points, so that limbs bend: as `espalier fit --pull`. */
+function pull(
+  pulls: Pull[],
+  pins: number[],
+  positions: Float64Array,
+  isFrame = false,
+): Float64Array {
   const points = [...pulls.map((each) => each.point), ...pins];
   const key = [pulls.length, ...points, ...positions].join();
-  if (pulling?.key !== key) {
+  if (pulling?.key !== key || pulling.isFrame !== isFrame) {
     const { file } = openLatticeNow();
-    closePull();
-    const rows = pins.map((_, i) => pulls.length + i);
     const { settings } = boundOf(models[0]);
     const places = pointsAt(allPoints(), points);
-    const pull = using(bindingOf(places, settings, false), (binding) =>
-      using(binding.table(), (table) => table.pull(file, positions, [...points.keys()], { pins: rows })),
+    const options = {
+      pins: pins.map((_, i) => pulls.length + i),
+      ...(isFrame && { maxIterations: kIterationsOfFrame }),
+    };
+    const made = using(bindingOf(places, settings, false), (binding) =>
+      using(binding.table(), (table) => table.pull(file, positions, [...points.keys()], options)),
     );
-    pulling = { key, pull };
+    // The end of a drag goes on from its last frame, too.
+    const last = pulling?.key === key ? pulling.last : undefined;
+    closePull();
+    pulling = { key, isFrame, pull: made, last };
   }
   const misses = points.flatMap((_, i) => pulls[i]?.by ?? [0, 0, 0]);
   const { displacements } = pulling.pull.solve(misses, pulling.last);
