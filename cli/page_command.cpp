@@ -18,9 +18,11 @@
 #include <vector>
 
 #include "commands.h"
+#include "companions.h"
 #include "files.h"
 #include "job.h"
 #include "options.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -78,13 +80,31 @@ nlohmann::ordered_json fileToJson(const std::string& path, const std::string& by
             {"data", io::encodeBase64(bytes)}};
 }
 
+/// Returns a model with the files that belong to it, and notes the ones that are missing.
+nlohmann::ordered_json modelToJson(const std::string& path, const std::string& bytes) {
+    auto json = fileToJson(path, bytes);
+    const Companions companions = findCompanions(path, bytes);
+    for (const fs::path& file : companions.files)
+        json["companions"].push_back(fileToJson(file.string(), io::readFile(file)));
+    if (!companions.missing.empty()) {
+        std::string names;
+        for (const std::string& name : companions.missing)
+            names += (names.empty() ? "" : ", ") + printable(name);
+        printError(fmt::format("{}: {} of the files that it names {} not in the page: {}",
+                               printable(path), companions.missing.size(),
+                               companions.missing.size() == 1 ? "is" : "are", names)
+                       .c_str());
+    }
+    return json;
+}
+
 /// Returns the files as JSON without the character "<", which could end the element.
 std::string filesAsJson(const PageOptions& options) {
     const std::string model = readForPage(options.model, {io::FileContent::Model});
     tellNotes(options.model, *io::readModel(options.model, model), options.common);
     nlohmann::ordered_json json = {
         {"version", 1},
-        {"models", nlohmann::ordered_json::array({fileToJson(options.model, model)})}};
+        {"models", nlohmann::ordered_json::array({modelToJson(options.model, model)})}};
     auto poses = nlohmann::ordered_json::array();
     if (!options.rest.empty()) {
         const std::string bytes = readForPage(options.rest, {io::FileContent::Lattice});

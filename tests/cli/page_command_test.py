@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import sys
 import unittest
 
@@ -55,6 +56,41 @@ class Page(CliTest):
         self.assert_holds(files["poses"][1], "editor.obj")
         self.assertEqual(files["options"], {"level": 2, "limit": False})
         self.assertEqual(self.page("model.obj", "--limit")["options"]["limit"], True)
+
+    def test_files_that_belong_to_the_model(self):
+        os.makedirs(self.path / "art/skins")
+        self.put("art/paint.mtl", "newmtl a\n\tmap_Kd -s 1 1 1 my skin.png\r\nmap_bump C:\\here\\skins\\rough.JPG\n"
+                                  "map_Ks ../secret.txt\nmap_Ka none.png\nKd 1 1 1\nbump my skin.png\n")
+        for name in ("art/my skin.png", "art/skins/rough.JPG", "secret.txt", "art/other.png"):
+            self.put(name, name)
+        self.put("art/model.obj", "mtllib paint.mtl\n" + self.text("model.obj"))
+        files = self.page("art/model.obj")["models"][0]["companions"]
+        self.assertEqual([each["name"] for each in files], ["paint.mtl", "my skin.png"])
+        self.assertEqual(base64.b64decode(files[1]["data"]), b"art/my skin.png")
+        note = self.run_program("page", "art/model.obj", "--page", "empty.html", "-o", "page.html").stderr
+        self.assertIn("art/model.obj: 3 of the files that it names are not in the page: "
+                      "C:\\here\\skins\\rough.JPG, ../secret.txt, none.png", note)
+        # Folders of another computer do not count, if the file is beside the model.
+        os.rename(self.path / "art/skins/rough.JPG", self.path / "art/rough.JPG")
+        files = self.page("art/model.obj")["models"][0]["companions"]
+        self.assertEqual([each["name"] for each in files], ["paint.mtl", "my skin.png", "rough.JPG"])
+        os.rename(self.path / "art/rough.JPG", self.path / "art/Rough.jpg")
+        self.assertEqual(self.page("art/model.obj")["models"][0]["companions"][2]["name"], "Rough.jpg")
+        # glTF has its points in a file beside it.
+        points = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+        (self.path / "the points.bin").write_bytes(points)
+        self.put("one.gltf", json.dumps({
+            "asset": {"version": "2.0", "generator": "by hand " * 20},
+            "buffers": [{"uri": "the%20points.bin", "byteLength": 36}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                           "min": [0, 0, 0], "max": [1, 1, 0]}],
+            "images": [{"uri": "data:image/png;base64,AAAA"}, {"uri": "gone.png"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+            "scenes": [{"nodes": [0]}], "scene": 0}))
+        files = self.page("one.gltf")["models"][0]["companions"]
+        self.assertEqual([(each["name"], base64.b64decode(each["data"])) for each in files],
+                         [("the points.bin", points)])
 
     def test_nothing_in_a_name_ends_the_element(self):
         name = "<!-- <script> & \" \\ .obj"

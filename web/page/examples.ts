@@ -192,10 +192,11 @@ function column(): Mesh {
 export const kExamples: Record<string, Example> = {
   dog: {
     title: "Dog",
+    // The grid is symmetric about z = 0, and so is the dog.
     make: () =>
       objOf(
         "dog.obj",
-        surfaceOf((p) => smoothDistance(kDog, p), [-1.4, -0.1, -0.55], [1.4, 1.75, 0.55], 0.026),
+        surfaceOf((p) => smoothDistance(kDog, p), [-1.4, -0.1, -0.546], [1.4, 1.75, 0.546], 0.026),
       ),
   },
   knot: { title: "Knot", make: () => objOf("knot.obj", knot()) },

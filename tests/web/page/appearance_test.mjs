@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { describe, test } from "node:test";
 import { crc32, deflateSync } from "node:zlib";
-import { settled } from "./browser.mjs";
+import { pageFile, settled } from "./browser.mjs";
 import {
   assertSameFiles,
   choose,
@@ -224,6 +224,19 @@ describe("the look of a model", () => {
       await widen(page);
       assert.deepEqual(await namesOf(page, places(2)), colours);
     }));
+
+  test("a page of espalier page has the .mtl and the picture inside", async () => {
+    const files = { "wood.png": kPicture, "square.obj": kSquareObj, "square.mtl": kSquareMtl };
+    for (const [name, content] of Object.entries(files)) writeFileSync(file(name), content);
+    run("page", "square.obj", "--page", pageFile, "-o", file("sent.html"));
+    await withPage(
+      async (page) => {
+        await until(page, () => globalThis.espalier.editor.models.length > 0);
+        assert.deepEqual(await namesOf(page, kQuarters), kColours);
+      },
+      { file: file("sent.html") },
+    );
+  });
 
   test("files that are missing are named, and come later; undo takes them away", () =>
     withPage(async (page) => {
