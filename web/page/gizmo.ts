@@ -35,6 +35,8 @@ export class Gizmo {
   /** the drag: what it began with */
   private start: Start | null = null;
   private latest: Float64Array | null = null;
+  /** as in Pulled, of the last frame */
+  private heldBack = 0;
   /** the frames of a drag that are being shown */
   private following: Promise<void> | null = null;
   private isStale = false;
@@ -148,10 +150,12 @@ export class Gizmo {
     const { positions } = this.start!;
     const by = this.offset();
     const pulls = this.pulls.map((point) => ({ point, by }));
-    const moved = await editor.engine.run("pull", pulls, [...pins], positions, this.controls.dragging);
-    if (editor.mirrorAxis === null) return moved;
+    const isFrame = this.controls.dragging;
+    const result = await editor.engine.run("pull", pulls, [...pins], positions, isFrame);
+    this.heldBack = result.heldBack;
+    if (editor.mirrorAxis === null) return result.positions;
     const weights = this.weightsOfPulledSide(kAxes.indexOf(editor.mirrorAxis));
-    return editor.transformed(moved, weights, editor.withMirror([]));
+    return editor.transformed(result.positions, weights, editor.withMirror([]));
   }
 
   /** Weights of 1 for the vertices that are nearer to the pulled points than their mirror images are. */
@@ -212,6 +216,12 @@ export class Gizmo {
     );
     this.controls.enabled = true;
     this.place();
+    // Less is not seen.
+    if (this.isPulling && this.heldBack > 0.01)
+      this.editor.onMessage(
+        `Cells would fold there: the point stays ${Math.round(100 * this.heldBack)} % of the way behind. Pull less far, or free pins.`,
+        false,
+      );
   }
 }
 

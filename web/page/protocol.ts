@@ -172,6 +172,13 @@ export interface Pull {
   by: Point;
 }
 
+export interface Pulled {
+  positions: Float64Array;
+  /** The part of the way by which a point stays away from its target, since cells would fold otherwise; 0 if none
+   * would. */
+  heldBack: number;
+}
+
 export type Axis = "x" | "y" | "z";
 
 /** An operation of `espalier pose` on the vertices. */
@@ -220,7 +227,7 @@ export interface Jobs {
    * @param positions of the vertices before the drag
    * @param isFrame whether more frames follow: each takes few iterations
    */
-  pull(pulls: Pull[], pins: number[], positions: Float64Array, isFrame?: boolean): Float64Array;
+  pull(pulls: Pull[], pins: number[], positions: Float64Array, isFrame?: boolean): Pulled;
   /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
   transform(
     positions: Float64Array,

@@ -37,6 +37,7 @@ import type {
   ModelShape,
   PoseResult,
   Pull,
+  Pulled,
   Recipe,
   Request,
   Rules,
@@ -399,7 +400,7 @@ function pull(
   pins: number[],
   positions: Float64Array,
   isFrame = false,
-): Float64Array {
+): Pulled {
   const points = [...pulls.map((each) => each.point), ...pins];
   const key = [pulls.length, ...points, ...positions].join();
   if (pulling?.key !== key || pulling.isFrame !== isFrame) {
@@ -419,9 +420,13 @@ function pull(
     pulling = { key, isFrame, pull: made, last };
   }
   const misses = points.flatMap((_, i) => pulls[i]?.by ?? [0, 0, 0]);
-  const { displacements } = pulling.pull.solve(misses, pulling.last);
+  const { displacements, meetsBarrier, largestMiss } = pulling.pull.solve(misses, pulling.last);
   pulling.last = displacements;
-  return positions.map((x, i) => x + displacements[i]);
+  const way = Math.max(...pulls.map(({ by }) => Math.hypot(...by)));
+  return {
+    positions: positions.map((x, i) => x + displacements[i]),
+    heldBack: meetsBarrier && way > 0 ? largestMiss / way : 0,
+  };
 }
 
 const kDirections: Record<Axis, Point> = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };

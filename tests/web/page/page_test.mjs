@@ -236,7 +236,7 @@ describe("the page", () => {
         async ([point, by]) => {
           const { editor } = globalThis.espalier;
           await editor.setPositions(
-            await editor.engine.run("pull", [{ point, by }], [], editor.positions),
+            (await editor.engine.run("pull", [{ point, by }], [], editor.positions)).positions,
             null,
           );
         },

@@ -81,7 +81,8 @@ describe("several models", () => {
       await page.evaluate(async () => {
         const { editor } = globalThis.espalier;
         const pulls = [{ point: 5, by: [0, 0, 0.1] }];
-        await editor.setPositions(await editor.engine.run("pull", pulls, [1], editor.positions), null);
+        const { positions } = await editor.engine.run("pull", pulls, [1], editor.positions);
+        await editor.setPositions(positions, null);
       });
       const after = await shownPoints(page);
       assert.ok(Math.abs(after[3 * 5 + 2] - before[3 * 5 + 2] - 0.1) < 1e-5);
