@@ -81,6 +81,13 @@ function directionOf(side: (typeof kSides)[number][0], up: "y" | "z"): Vector3 {
   return side === "back" || side === "left" || side === "bottom" ? axis.negate() : axis;
 }
 
+/** Lets the keys reach a control, and those after it. */
+function focusOn(selector: string): void {
+  const control = document.querySelector<HTMLElement>(selector)!;
+  control.closest("details")!.open = true;
+  control.focus();
+}
+
 /** Opens files one after the other. */
 const each = (open: (file: ModelFile) => Promise<void>) => async (files: ModelFile[]) => {
   for (const file of files) await open(file);
@@ -312,7 +319,7 @@ export function commandsFor(page: Page): Record<string, Command> {
         gizmo.isPulling = true;
         gizmo.place();
         editor.onMessage(
-          "Click a point of the model, and drag it by the handles; with Shift or Add, more points at once. Pin keeps points where they are.",
+          "Drag a point of the model. Click with Shift or Add to pull more points at once, by the handles. Pin keeps points where they are.",
           false,
         );
         page.refresh();
@@ -381,7 +388,7 @@ export function commandsFor(page: Page): Record<string, Command> {
       run: () => editor.select(selecting.inverted(selection(), shape().positions.length / 3)),
     },
     row: {
-      title: "Select rows of cells",
+      title: "Select rows of cells: go on from an edge between two selected vertices",
       key: "w",
       needs: "selection",
       run: () => editor.select(selecting.rows(shape(), selection())),
@@ -521,6 +528,16 @@ export function commandsFor(page: Page): Record<string, Command> {
         dialog.querySelector("pre")!.textContent = commandsNow();
         dialog.showModal();
       },
+    },
+    "go to lattice": {
+      title: "Go to the ways to make a lattice",
+      key: "v",
+      run: () => focusOn('[data-form="cage"] input'),
+    },
+    "go to operations": {
+      title: "Go to the operations on the selection",
+      key: "q",
+      run: () => focusOn('[data-form="turn"] select'),
     },
     "copy commands": {
       title: "Copy the commands",

@@ -66,6 +66,8 @@ const kNothing: Open = {
 export class Editor {
   /** Called after every change of the document and of what is known of it. */
   onChange: () => void = () => {};
+  /** Called after the view shows a document. */
+  onShown: () => void = () => {};
   /** Called with a message for the person. */
   onMessage: (text: string, isError: boolean) => void = () => {};
 
@@ -174,6 +176,7 @@ export class Editor {
       const { document } = this;
       try {
         await this.bring(document);
+        this.onShown();
       } catch (error) {
         // The document cannot be shown, or a person did not want to wait for it.
         if (this.document === document && this.history.canUndo) {
@@ -345,7 +348,10 @@ export class Editor {
     const notes = await this.showModels(models);
     this.view.look();
     await this.change({ models });
-    this.tell([...this.models.map((model) => model.notes), ...notes]);
+    const hint = this.document.lattice
+      ? ""
+      : "Now put a lattice around it: Cage for a body with limbs, Box around for simple shapes.";
+    this.tell([...this.models.map((model) => model.notes), ...notes], hint);
   }
 
   /** Where a point is at rest. Points of several models are numbered one model after the other. */
@@ -373,8 +379,9 @@ export class Editor {
     this.tell(notes);
   }
 
-  private tell(notes: string[]): void {
-    const text = notes.filter((note) => note !== "").join("; ");
+  /** @param hint what to say if there are no notes */
+  private tell(notes: string[], hint = ""): void {
+    const text = notes.filter((note) => note !== "").join("; ") || hint;
     if (text !== "") this.onMessage(text, false);
   }
 
@@ -393,7 +400,7 @@ export class Editor {
   async openLattice(file: NamedFile): Promise<void> {
     const lattice = await this.engine.run("readLattice", file);
     await this.edit(
-      withLattice(this.document, { ...lattice, command: comment(`${file.name} is rest.vtu`) }),
+      withLattice(this.document, { ...lattice, command: restComment(file.name) }),
     );
   }
 
@@ -520,6 +527,9 @@ export class Editor {
     );
   }
 }
+
+const restComment = (name: string) =>
+  comment(name === "rest.vtu" ? "rest.vtu: Take home, Rest .vtu" : `${name} is rest.vtu`);
 
 const atRest = ({ points }: ModelShape): ModelPose => ({
   points: Float32Array.from(points),

@@ -11,6 +11,9 @@ import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
 
 export type Mode = "translate" | "rotate" | "scale";
 
+/** The cosine of 20 degrees: nearer to the direction of the eye, handles cannot be told from their middle. */
+const kEndOn = Math.cos(THREE.MathUtils.degToRad(20));
+
 interface Start {
   readonly positions: Float64Array;
   readonly weights: Weights;
@@ -40,6 +43,7 @@ export class Gizmo {
   /** the frames of a drag that are being shown */
   private following: Promise<void> | null = null;
   private isStale = false;
+  private isDragging = false;
 
   constructor(private readonly editor: Editor) {
     const { view } = editor;
@@ -53,6 +57,22 @@ export class Gizmo {
       else this.end();
     });
     this.controls.addEventListener("objectChange", () => this.drag());
+    // A handle that points at the eye, or away from it, would move along a line that nobody sees.
+    const hover = this.controls.pointerHover.bind(this.controls);
+    this.controls.pointerHover = (pointer) => {
+      hover(pointer);
+      const axis = this.controls.axis?.toLowerCase() as Axis;
+      if (this.controls.mode !== "rotate" && kAxes.includes(axis) && this.isEndOn(axis))
+        this.controls.axis = this.axis === null ? "XYZ" : null;
+    };
+  }
+
+  private isEndOn(axis: Axis): boolean {
+    const { camera, isParallel } = this.editor.view;
+    const toHandle = isParallel
+      ? camera.getWorldDirection(new THREE.Vector3())
+      : this.handle.position.clone().sub(camera.position).normalize();
+    return Math.abs(toHandle.getComponent(kAxes.indexOf(axis))) > kEndOn;
   }
 
   /** Lets the handles move in steps: lengths of a power of ten near a fiftieth of the lattice, 15 degrees, and
@@ -75,7 +95,7 @@ export class Gizmo {
 
   /** Whether the pointer is on a handle, or drags it. */
   get isUsed(): boolean {
-    return this.controls.dragging || this.controls.axis !== null;
+    return this.isDragging || this.controls.axis !== null;
   }
 
   /** Puts the handles where the selection is, or hides them. */
@@ -108,7 +128,22 @@ export class Gizmo {
     view.ask();
   }
 
+  /** Pulls a point from now on to where the pointer is: moveTo() and end() follow. */
+  beginPull(point: number): void {
+    this.pulls = [point];
+    this.pins = this.pins.filter((pin) => pin !== point);
+    this.place();
+    this.begin();
+  }
+
+  /** Moves the handles to a place on the screen, as far from the eye as they were. */
+  moveTo(x: number, y: number): void {
+    this.handle.position.copy(this.editor.view.placeAt(x, y, this.handle.position));
+    this.drag();
+  }
+
   private begin(): void {
+    this.isDragging = true;
     this.handle.updateMatrix();
     const { positions } = this.editor;
     const weights = this.editor.weights();
@@ -127,7 +162,7 @@ export class Gizmo {
       this.isStale = false;
       await this.editor.attempt(async () => {
         this.latest = await this.moved();
-        if (this.controls.dragging) await this.editor.preview(this.latest);
+        if (this.isDragging) await this.editor.preview(this.latest);
       });
     }
   }
@@ -150,8 +185,8 @@ export class Gizmo {
     const { positions } = this.start!;
     const by = this.offset();
     const pulls = this.pulls.map((point) => ({ point, by }));
-    const isFrame = this.controls.dragging;
-    const result = await editor.engine.run("pull", pulls, [...pins], positions, isFrame);
+    const { isDragging } = this;
+    const result = await editor.engine.run("pull", pulls, [...pins], positions, isDragging);
     this.heldBack = result.heldBack;
     if (editor.mirrorAxis === null) return result.positions;
     const weights = this.weightsOfPulledSide(kAxes.indexOf(editor.mirrorAxis));
@@ -196,7 +231,8 @@ export class Gizmo {
     }
   }
 
-  private async end(): Promise<void> {
+  async end(): Promise<void> {
+    this.isDragging = false;
     const { start } = this;
     if (!start) return;
     this.handle.updateMatrix();

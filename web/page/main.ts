@@ -84,6 +84,7 @@ function save(name: string, content: Blob | Uint8Array): void {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  editor.onMessage(`${name} is in your downloads.`, false);
 }
 
 onDrop(find("main"), (files) =>
@@ -131,8 +132,26 @@ for (const button of findAll("[data-command]")) {
   const command = commands[button.dataset.command!];
   button.addEventListener("click", () => runCommand(command));
   if (command.key) button.setAttribute("aria-keyshortcuts", command.key.replace("Ctrl", "Control"));
-  button.title ||= command.title;
-  if (command.key) button.title += ` (${command.key})`;
+  button.title = titleOf(command);
+}
+
+/** What buttons that cannot be used wait for. */
+const kNeeds: Record<NonNullable<Command["needs"]>, string> = {
+  model: "a model or a lattice",
+  models: "a model",
+  lattice: "a lattice",
+  selection: "selected vertices",
+  binding: "a model in a lattice",
+  pull: "a pulled point",
+  pins: "a pinned point",
+  pose: "a pose",
+  "rest faces": "a selected face of the boundary",
+  undo: "something to undo",
+  redo: "something that was undone",
+};
+
+function titleOf({ title, key }: Command): string {
+  return key ? `${title} (${key})` : title;
 }
 
 /** The key of an event, as commands name it. */
@@ -322,7 +341,8 @@ function refresh(): void {
   find("#start").hidden = !isEmpty(work);
   const points = models.reduce((sum, model) => sum + model.points.length / 3, 0);
   const names = work.models.length === 1 ? work.models[0].name : plural(work.models.length, "model");
-  put("model", work.models.length > 0 && points > 0 ? `${names}, ${plural(points, "point")}` : "");
+  document.title = work.models.length > 0 ? `${names} – Espalier` : "Espalier";
+  put("model", work.models.length > 0 && points > 0 ? `${shortened(names)}, ${plural(points, "point")}` : "");
   showModels();
   put(
     "lattice",
@@ -341,7 +361,10 @@ function refresh(): void {
     "outside",
     outside > 0 ? `${plural(outside, "point")} outside the lattice: they ${verb}` : "",
   );
-  const folds = folded.length > 0 ? `<b>${plural(folded.length, "cell")} folded</b>` : "";
+  const folds =
+    folded.length > 0
+      ? `<b title="Turn or move less, select more vertices with Soft or Grow, or use Pull">${plural(folded.length, "cell")} folded</b>`
+      : "";
   find("#status").innerHTML = folds;
 
   setting("level").value = work.settings.limit ? "limit" : String(work.settings.level);
@@ -354,6 +377,7 @@ function refresh(): void {
   for (const button of findAll<HTMLButtonElement>("button[data-command]")) {
     const command = commands[button.dataset.command!];
     button.disabled = !canRun(command);
+    button.title = titleOf(command) + (button.disabled ? ` – needs ${kNeeds[command.needs!]}` : "");
     if (command.isChosen) button.setAttribute("aria-checked", String(command.isChosen()));
   }
   const needsOf: Record<string, Command["needs"]> = {
@@ -378,6 +402,9 @@ function refresh(): void {
   timeline.refresh();
   gizmo.place();
 }
+
+/** A name with as many letters as the panel has room for. */
+const shortened = (name: string) => (name.length > 18 ? `${name.slice(0, 11)}…${name.slice(-6)}` : name);
 
 /** The list of several models, each with a button that takes it out. */
 function showModels(): void {
@@ -410,7 +437,7 @@ function refreshPlace(): void {
 
 /** A number with as many digits as a field has room for. */
 const shownNumber = (x: number) =>
-  String(Math.abs(x) < 1e-5 * view.size ? 0 : Number(x.toPrecision(5)));
+  String(Math.abs(x) < 1e-4 * view.size ? 0 : Number(x.toPrecision(4)));
 
 /** Offers the mean edge of the selected faces as the distance of an extrusion, until a person has
  * chosen another. */
@@ -428,6 +455,7 @@ find('[data-form="extrude"] [name="distance"]').addEventListener("input", ({ tar
 const message = find("#message");
 /** The document that the message is about. */
 let messageDocument = editor.document;
+editor.onShown = () => gizmo.place();
 editor.onChange = () => {
   refresh();
   if (editor.document !== messageDocument) message.hidden = true;

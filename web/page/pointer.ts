@@ -15,6 +15,9 @@ interface Press {
   area: "box" | "lasso" | null;
   /** A handle of the selection is under the pointer, so a drag moves the selection. */
   isOnHandle: boolean;
+  /** the point of a model under the pointer, which a drag pulls */
+  pulled: number | null;
+  isPulling: boolean;
 }
 
 export class Pointer {
@@ -42,9 +45,14 @@ export class Pointer {
     if (event.button !== 0 || !event.isPrimary) return this.stop();
     const isOnHandle = this.gizmo.isUsed && !event.shiftKey;
     const areas = this.pick === "box" || this.pick === "lasso" ? this.pick : null;
-    const area = isOnHandle || !this.editor.shape ? null : event.shiftKey ? (areas ?? "box") : areas;
-    this.press = { path: [[event.offsetX, event.offsetY]], area, isOnHandle };
-    if (!area) return;
+    const { offsetX: x, offsetY: y } = event;
+    const adds = event.shiftKey || this.adds;
+    const pulled =
+      this.gizmo.isPulling && !isOnHandle && !adds ? this.editor.view.pointAt(x, y) : null;
+    const hasNoArea = isOnHandle || !this.editor.shape || this.gizmo.isPulling;
+    const area = hasNoArea ? null : event.shiftKey ? (areas ?? "box") : areas;
+    this.press = { path: [[x, y]], area, isOnHandle, pulled, isPulling: false };
+    if (!area && pulled === null) return;
     this.letOthersDrag(false);
     this.editor.view.canvas.setPointerCapture(event.pointerId);
   }
@@ -61,7 +69,13 @@ export class Pointer {
 
   private move(event: PointerEvent): void {
     const { press } = this;
-    if (!press?.area || !this.hasMoved(event)) return;
+    if (!press || !this.hasMoved(event)) return;
+    if (press.pulled !== null) {
+      if (!press.isPulling) this.gizmo.beginPull(press.pulled);
+      press.isPulling = true;
+      this.gizmo.moveTo(event.offsetX, event.offsetY);
+    }
+    if (!press.area) return;
     const [[x, y]] = press.path;
     const [u, v] = [event.offsetX, event.offsetY];
     if (press.area === "lasso") press.path.push([u, v]);
@@ -70,7 +84,8 @@ export class Pointer {
   }
 
   private stop(): void {
-    if (this.press?.area) this.letOthersDrag(true);
+    if (this.press?.area || (this.press?.pulled ?? null) !== null) this.letOthersDrag(true);
+    if (this.press?.isPulling) void this.gizmo.end();
     this.press = null;
     this.band.removeAttribute("points");
   }
@@ -80,6 +95,7 @@ export class Pointer {
     if (!press) return;
     const moved = this.hasMoved(event);
     this.stop();
+    if (press.isPulling) return;
     if (!moved) void this.editor.attempt(() => this.click(event, press.isOnHandle));
     else if (press.area) {
       const { view, document } = this.editor;

@@ -647,6 +647,13 @@ export class View {
     return hit.point.clone().sub(at).dot(forward) < -1e-3 * this.size;
   }
 
+  /** The place in space that is seen at a place on the screen, in the plane through a point that faces the eye. */
+  placeAt(x: number, y: number, point: THREE.Vector3): THREE.Vector3 {
+    const forward = this.camera.getWorldDirection(new THREE.Vector3());
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(forward, point);
+    return this.rayAt(x, y).ray.intersectPlane(plane, new THREE.Vector3()) ?? point.clone();
+  }
+
   /** The ray through a place on the screen. */
   private rayAt(x: number, y: number): THREE.Raycaster {
     const { clientWidth: width, clientHeight: height } = this.canvas;

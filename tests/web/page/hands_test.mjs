@@ -416,6 +416,60 @@ describe("hands in the page", () => {
       );
     }, kLargeWindow));
 
+  test("a point is pulled by one drag, undo takes the handles along, and no handle moves out of sight", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await press(page, "Numpad1");
+      await press(page, "p");
+      const eye = () => page.evaluate(() => globalThis.espalier.editor.view.camera.position.toArray());
+      const before = await eye();
+      // A point of the tail, as a place on the screen.
+      const [x, y] = await page.evaluate(() => {
+        const { view } = globalThis.espalier.editor;
+        const place = view.camera.position.clone().set(-1.14, 1.3, 0).project(view.camera);
+        return [(place.x + 1) / 2, (1 - place.y) / 2];
+      });
+      const old = await shownPoints(page);
+      await drag(page, [x, y], [x - 0.03, y], [x - 0.05, y + 0.05]);
+      await handlesLetGo(page);
+      const now = await shownPoints(page);
+      assert.deepEqual(await eye(), before);
+      const [pulled] = await page.evaluate(() => globalThis.espalier.gizmo.pulls);
+      const moved = [0, 1, 2].map((c) => now[3 * pulled + c] - old[3 * pulled + c]);
+      assert.ok(moved[0] < -0.05 && moved[1] < -0.05 && Math.abs(moved[2]) < 1e-4, moved.join());
+      // The place of the pointer is where the point is now.
+      const gap = await page.evaluate(
+        ([pulled, x, y]) => {
+          const { view } = globalThis.espalier.editor;
+          const place = view.camera.position.clone().fromArray(view.points, 3 * pulled).project(view.camera);
+          return Math.hypot((place.x + 1) / 2 - x, (1 - place.y) / 2 - y);
+        },
+        [pulled, x - 0.05, y + 0.05],
+      );
+      assert.ok(gap < 0.003, String(gap));
+      await press(page, "Control+z");
+      const handle = await page.evaluate(() => globalThis.espalier.gizmo.handle.position.toArray());
+      handle.forEach((x, c) => assert.ok(Math.abs(x - old[3 * pulled + c]) < 1e-5));
+      // Beside the model, a drag turns the view.
+      await drag(page, [0.05, 0.5], [0.2, 0.5]);
+      assert.notDeepEqual(await eye(), before);
+
+      // From +x, the handle along x is at the middle: the middle moves in the plane of the screen.
+      await press(page, "g");
+      await select(page, [3]);
+      await press(page, "Numpad3");
+      const at = await page.evaluate(() => globalThis.espalier.editor.view.screenOf(3));
+      await page.locator("#view canvas").hover({ position: { x: at.x, y: at.y } });
+      assert.equal(await page.evaluate(() => globalThis.espalier.gizmo.controls.axis), "XYZ");
+      const start = await positions(page);
+      await dragHandles(page, 30, -40);
+      const end = await positions(page);
+      assert.ok(Math.abs(end[9] - start[9]) < 0.02, `${end[9]} ${start[9]}`);
+      assert.ok(end[10] > start[10] + 0.02);
+    }, kLargeWindow));
+
   test("a pull that would fold cells stays behind, and says so", () =>
     withPage(async (page) => {
       await openExample(page);
