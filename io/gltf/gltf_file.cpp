@@ -135,8 +135,9 @@ void GltfFile::readJson(std::string_view text) {
         fail("is no glTF 2.0: its JSON has no \"asset\"");
     const std::string version = GltfFile::text(json_["asset"], "version");
     if (!version.starts_with("2."))
-        fail(concat("is glTF of version ", inQuotes(version),
-                    "; expected 2.0 (export it again, or convert it by gltf-pipeline)"));
+        // Files of glTF 1.0 may lack the number.
+        fail(concat("is glTF ", version.empty() ? "1.0" : inQuotes(version),
+                    "; expected 2.0: open it in a program that reads it, and export it again"));
 }
 
 void GltfFile::readBuffers(std::optional<std::pair<std::size_t, std::size_t>> binary) {

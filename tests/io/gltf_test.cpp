@@ -544,7 +544,8 @@ TEST(Gltf, DamagedFilesAreRefusedAndNamed) {
     EXPECT_REFUSED(FileError, "no \"asset\"", readModel("a.gltf", "{}"));
     EXPECT_REFUSED(FileError, "nests more than",
                    readModel("a.gltf", std::string(1000, '[') + std::string(1000, ']')));
-    expectRefused("glTF of version '1.0'", replace("/asset/version", "1.0"));
+    expectRefused("is glTF '1.0'; expected 2.0", replace("/asset/version", "1.0"));
+    expectRefused("is glTF 1.0; expected 2.0", replace("/asset/version", ""));
     expectRefused("item 99 of 'bufferViews' does not exist; there are 3",
                   replace("/accessors/0/bufferView", 99));
     expectRefused("needs 120 bytes at byte 0 of view 0, which has 36",
