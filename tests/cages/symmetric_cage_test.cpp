@@ -114,16 +114,60 @@ TEST(SymmetricCage, isSymmetricAboutSeveralPlanes) {
     EXPECT_EQ(test::topologyOf(ofRing.complex), (test::SolidTopology{1, 1, 0}));
 }
 
+/// Returns a model turned about the x axis.
+FaceModel turned(FaceModel model, double angle) {
+    for (Point3& p : model.points)
+        p = {p[0], std::cos(angle) * p[1] - std::sin(angle) * p[2],
+             std::sin(angle) * p[1] + std::cos(angle) * p[2]};
+    return model;
+}
+
 TEST(SymmetricCage, isSymmetricForAModelTurnedAboutTheNormalOfThePlane) {
     for (const double angle : {0.4, 1.1, 2.5}) {
-        FaceModel model = walker();
-        for (Point3& p : model.points)
-            p = {p[0], std::cos(angle) * p[1] - std::sin(angle) * p[2],
-                 std::sin(angle) * p[1] + std::cos(angle) * p[2]};
         ModelSymmetry symmetry;
-        const Lattice made = cageOf(model, 100, symmetry);
+        const Lattice made = cageOf(turned(walker(), angle), 100, symmetry);
         EXPECT_EQ(usedPlanes(symmetry), (std::array{true, false, false}));
         expectSymmetric(made, 0, 0);
+    }
+}
+
+/// Returns the fraction of the edges of a lattice that are within about 14 degrees of the x axis,
+/// or of the y or z axis turned by an angle about x.
+double edgesAlong(const Lattice& lattice, double angle) {
+    const std::array<Point3, 3> axes = {
+        {{1, 0, 0}, {0, std::cos(angle), std::sin(angle)}, {0, -std::sin(angle), std::cos(angle)}}};
+    Index along = 0;
+    const auto& ends = lattice.complex.relation(1, 0);
+    for (Index edge = 0; edge < lattice.complex.count(1); ++edge) {
+        const Point3 way = normalised(
+            difference(lattice.positions[ends[edge][1]], lattice.positions[ends[edge][0]]));
+        for (const Point3& axis : axes)
+            if (std::abs(dot(axis, way)) > 0.97) ++along;
+    }
+    return static_cast<double>(along) / lattice.complex.count(1);
+}
+
+TEST(SymmetricCage, turnsTheGridAboutTheNormalOfThePlane) {
+    // A bar with a wedge at one end is symmetric about x only.
+    FaceModel bar;
+    for (unsigned corner = 0; corner < 8; ++corner)
+        bar.points.push_back({corner & 1 ? 0.5 : -0.5, (corner >> 1 & 1) ? 0.5 : -0.5,
+                              corner >> 2 & 1 ? (corner >> 1 & 1 ? 2.5 : 2.0) : -2.0});
+    for (const auto& f : {std::array<Index, 4>{0, 2, 3, 1},
+                          {4, 5, 7, 6},
+                          {0, 1, 5, 4},
+                          {2, 6, 7, 3},
+                          {0, 4, 6, 2},
+                          {1, 3, 7, 5}})
+        bar.addFace({f[0], f[1], f[2], f[3]});
+    for (const double angle : {0.6, 2.4}) {
+        ModelSymmetry symmetry;
+        const Lattice made = cageOf(turned(bar, angle), 100, symmetry);
+        EXPECT_EQ(usedPlanes(symmetry), (std::array{true, false, false}));
+        expectSymmetric(made, 0, 0);
+        // The grid follows the bar: without the turn, its edges are along y and z.
+        EXPECT_GT(edgesAlong(made, angle), 0.7);
+        EXPECT_LT(edgesAlong(made, 0), 0.5);
     }
 }
 
