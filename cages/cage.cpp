@@ -477,7 +477,7 @@ std::vector<unsigned> CageMaker::planeChoices(const ModelSymmetry& symmetry) con
         return {kPlanes[static_cast<std::size_t>(options_.symmetric)]};
     unsigned all = 0;
     for (unsigned axis = 0; axis < 3; ++axis)
-        if (symmetry.planes[axis].off <= options_.symmetry) all |= 1u << axis;
+        if (symmetry.planes[axis].isOfModel) all |= 1u << axis;
     std::vector<unsigned> choices = {all};
     if (std::popcount(all) > 1)
         for (unsigned axis = 0; axis < 3; ++axis)
@@ -491,7 +491,6 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
     if (options_.symmetric != Symmetric::None) {
         symmetry.planes = measureSymmetry(surface_, options_.symmetry);
         symmetry.isMeasured = true;
-        symmetry.tolerance = options_.symmetry;
     }
     const double most = mostWork(surface_.triangles().size(), options_, vertexEstimate());
     const std::span<const CellChoice> cells =

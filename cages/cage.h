@@ -82,14 +82,14 @@ struct ModelSymmetry {
         double at = 0;  ///< the coordinate of the plane: the middle of the box around the model
 
         /// Largest distance of the mirror image of a point from the nearest point of the model, as
-        /// a fraction of the diagonal. If it is more than CageOptions::symmetry, it is an estimate.
+        /// a fraction of the diagonal. An estimate if the model is not symmetric about the plane.
         double off = 0;
 
-        bool isUsed = false;  ///< true: the lattice is symmetric about the plane
+        bool isOfModel = false;  ///< true: `off` is at most CageOptions::symmetry
+        bool isUsed = false;     ///< true: the lattice is symmetric about the plane
     };
     std::array<Plane, 3> planes;  ///< the planes across x, y and z
-    bool isMeasured = false;      ///< false: nobody asked for symmetry
-    double tolerance = 0;         ///< CageOptions::symmetry
+    bool isMeasured = false;      ///< false: CageOptions::symmetric is Symmetric::None
 };
 
 /// Describes the symmetry of a cage in one line: "symmetric about x = 0 within 2e-7 of the

@@ -154,6 +154,7 @@ std::array<ModelSymmetry::Plane, 3> measureSymmetry(const ModelSurface& surface,
         planes[axis].at = at;
         planes[axis].off =
             ofFaces > std::max(kFaceTolerance, tolerance) ? std::max(off, ofFaces) : off;
+        planes[axis].isOfModel = planes[axis].off <= tolerance;
     }
     return planes;
 }
@@ -241,13 +242,12 @@ std::string symmetryText(const ModelSymmetry& symmetry) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const ModelSymmetry::Plane& plane = symmetry.planes[axis];
         const std::string place = concat(kNames[axis], " = ", shortText(plane.at));
-        const bool isOfModel = plane.off <= symmetry.tolerance;
-        if (plane.isUsed && isOfModel)
+        if (plane.isUsed && plane.isOfModel)
             used.push_back(plane.off > kRounding ? concat(place, " within ", partText(plane.off))
                                                  : place);
         else if (plane.isUsed)
             used.push_back(concat(place, " (the model is off by ", partText(plane.off), ")"));
-        else if (isOfModel)
+        else if (plane.isOfModel)
             lost.push_back(place);
         else
             others.push_back(concat(partText(plane.off), " about ", kNames[axis]));

@@ -25,8 +25,7 @@ using MirrorPlanes = std::array<std::optional<double>, 3>;
 /// mirror image, and the faces of both sides have about the same area at the same places.
 ///
 /// \param tolerance as a fraction of the diagonal
-/// \return for each axis the plane, and the largest distance of a mirror image from the model's
-///         points. If it is more than the tolerance, it is an estimate from a part of the points
+/// \return the plane across each axis; none is used yet
 /// \cost O(points) in a grid
 std::array<ModelSymmetry::Plane, 3> measureSymmetry(const ModelSurface& surface, double tolerance);
 

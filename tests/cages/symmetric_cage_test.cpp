@@ -246,6 +246,7 @@ TEST(SymmetricCage, looksAtFacesToo) {
     EXPECT_EQ(planes[0].off, 0);
     EXPECT_EQ(planes[1].off, 0);
     EXPECT_GT(planes[2].off, 0.05);
+    EXPECT_TRUE(planes[0].isOfModel && planes[1].isOfModel && !planes[2].isOfModel);
 }
 
 TEST(SymmetricCage, hasTheSameBitsForAnyOrderOfTheFacesAndThreads) {
