@@ -10,6 +10,7 @@
 #include "cages/symmetry.h"
 #include "face_models.h"
 #include "lattice_measures.h"
+#include "soup_models.h"
 #include "support/test.h"
 #include "support/threads.h"
 
@@ -231,6 +232,76 @@ TEST(SymmetricCage, obeysGivenPlanes) {
     EXPECT_EQ(test::outsideLimit(given, model.points), 0);
     EXPECT_THAT(symmetryText(symmetry), HasSubstr("(the model is off by "));
     EXPECT_THAT(symmetryText(symmetry), HasSubstr("the model is symmetric about x = 0, too"));
+}
+
+/// Returns triangles, of three corners each, with their mirror images across the first axes.
+FaceModel mirroredTriangles(const std::vector<Point3>& corners, std::size_t axes) {
+    FaceModel model = test::trianglesModel(static_cast<int>(corners.size() / 3), [&](int t, int i) {
+        return corners[static_cast<std::size_t>(3 * t + i)];
+    });
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+        FaceModel image = model;
+        for (Point3& point : image.points) point[axis] = -point[axis];
+        model = test::joined({model, image});
+    }
+    return model;
+}
+
+TEST(SymmetricCage, triesFewerPlanesIfNoLatticeCanBeFitted) {
+    // Small triangles far from each other. Random ones, for which these planes are lost, were
+    // searched for.
+    const std::vector<Point3> four = {
+        {0.335, 0.4869, 0.2184}, {0.3155, 0.4896, 0.2152}, {0.3121, 0.4772, 0.2239}};
+    const std::vector<Point3> other = {
+        {0.6288, 0.9611, 0.4088}, {0.6122, 0.9649, 0.4202}, {0.633, 0.9725, 0.4441}};
+    const std::vector<Point3> two = {{0.8281, 0.604, 0.7386},  {0.8023, 0.6061, 0.7552},
+                                     {0.8211, 0.5953, 0.7227}, {0.5505, 0.0473, 0.3164},
+                                     {0.5547, 0.0516, 0.326},  {0.5206, 0.0376, 0.3209}};
+    struct Case {
+        const std::vector<Point3>& corners;
+        std::size_t axes;
+        Index vertices;
+        std::array<bool, 3> used;
+        const char* text;
+    };
+    for (const auto& [corners, axes, vertices, used, text] :
+         {Case{two, 3, 28, {true, false, false}, "y = 0, z = 0, too"},
+          Case{four, 2, 49, {false, true, false}, "x = 0, too"},  // x is tried first, in vain
+          Case{other, 2, 49, {false, false, false}, "x = 0, y = 0, too"}}) {
+        SCOPED_TRACE(text);
+        const FaceModel model = mirroredTriangles(corners, axes);
+        ModelSymmetry symmetry;
+        const Lattice made = cageOf(model, vertices, symmetry);
+        EXPECT_EQ(usedPlanes(symmetry), used);
+        EXPECT_THAT(symmetryText(symmetry), HasSubstr(text));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(symmetry.planes[axis].isOfModel, axis < axes);
+            if (used[axis]) expectSymmetric(made, static_cast<int>(axis), 0);
+        }
+    }
+    // Given planes are not left out, and all choices of cells are tried.
+    ModelSymmetry symmetry;
+    const Lattice given =
+        cageOf(mirroredTriangles(other, 2), 49, symmetry, {.symmetric = Symmetric::XY});
+    EXPECT_EQ(usedPlanes(symmetry), (std::array{true, true, false}));
+    expectSymmetric(given, 0, 0);
+    expectSymmetric(given, 1, 0);
+}
+
+TEST(SymmetricCage, refusesGivenPlanesThatCannotBeFitted) {
+    // With y alone, there is a lattice.
+    const FaceModel model = mirroredTriangles({{0.5019, 0.4958, 0.1338},
+                                               {0.1421, 0.2186, 0.4185},
+                                               {0.2481, 0.0841, 0.3455},
+                                               {0.1668, 0.8786, 0.951},
+                                               {0.0387, 0.6991, 0.5728},
+                                               {0.898, 0.6669, 0.5478}},
+                                              2);
+    ModelSymmetry symmetry;
+    expectSymmetric(cageOf(model, 28, symmetry, {.keepApart = true, .symmetric = Symmetric::Y}), 1,
+                    0);
+    EXPECT_REFUSED(Error, "or without symmetry",
+                   cage(model, {.vertices = 28, .keepApart = true, .symmetric = Symmetric::XY}));
 }
 
 TEST(SymmetricCage, looksAtFacesToo) {
