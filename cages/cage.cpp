@@ -4,23 +4,19 @@
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/progress.h>
-#include <espalier/base/vector3.h>
 #include <espalier/cages/cage.h>
-#include <espalier/shapes/around.h>
-#include <espalier/shapes/smallest_box.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "fit_cage.h"
+#include "frames.h"
 #include "grid_cells.h"
 #include "model_samples.h"
 #include "model_surface.h"
@@ -105,34 +101,6 @@ std::size_t mostSamples(std::size_t triangles, std::size_t vertices) {
     return 1'500'000 + 7 * triangles + 50 * vertices;
 }
 
-using shapes::Axes;
-using shapes::kCoordinateAxes;
-
-Point3 toFrame(const Axes& axes, const Point3& p) {
-    return {dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
-}
-
-Point3 fromFrame(const Axes& axes, const Point3& p) {
-    return sum(sum(scaled(axes[0], p[0]), scaled(axes[1], p[1])), scaled(axes[2], p[2]));
-}
-
-/// Axes for the grid, with the points of the model along them.
-struct Frame {
-    Axes axes;
-    std::vector<Point3> points;
-    MirrorPlanes mirrors;  ///< across axes that are coordinate axes
-    Point3 size = sizeOf(points, mirrors);
-
-    static Point3 sizeOf(std::span<const Point3> points, const MirrorPlanes& mirrors) {
-        const BoundingBox box(points);
-        Point3 size = box.size();
-        for (int axis = 0; axis < 3; ++axis)
-            if (const auto& plane = mirrors[axis])
-                size[axis] = 2 * std::max(*plane - box.min[axis], box.max[axis] - *plane);
-        return size;
-    }
-};
-
 /// A grid to try.
 struct Candidate {
     std::size_t frame = 0;
@@ -142,21 +110,6 @@ struct Candidate {
     double score = 0;  ///< the lower the better
 };
 
-/// Returns the axes of the smallest box around points.
-Axes orientedAxes(std::span<const Point3> points) {
-    const Lattice box =
-        shapes::around(points, {.cellsAlongLongest = 1, .margin = 0.01, .oriented = true});
-    Axes axes;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        axes[axis] =
-            normalised(difference(box.positions[std::size_t{1} << axis], box.positions[0]));
-    return axes;
-}
-
-bool isSymmetric(const Frame& frame) {
-    return frame.mirrors != MirrorPlanes();
-}
-
 class CageMaker {
 public:
     CageMaker(const SurfaceModel& model, const CageOptions& options);
@@ -165,7 +118,6 @@ public:
 private:
     double padding() const { return std::max(margin_, choice_.padding * diagonal_); }
     std::vector<unsigned> planeChoices(const ModelSymmetry& symmetry) const;
-    void addFrames(const MirrorPlanes& mirrors);
     void choose(const CellChoice& choice);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
@@ -219,34 +171,11 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.shell, "shell", 2 * diagonal_);
     requireNumber(options.symmetry, "symmetry", 1);
     margin_ = options.margin * diagonal_ + options.shell / 2;
-    frames_.push_back({kCoordinateAxes, surface_.points(), {}});
+    frames_.push_back({shapes::kCoordinateAxes, surface_.points(), {}});
     choose(kCellChoices.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
                             concat("at least ", smallestSize_, " for this model"));
-}
-
-/// Sets the axes that grids are tried along.
-void CageMaker::addFrames(const MirrorPlanes& mirrors) {
-    frames_.clear();
-    frames_.push_back({kCoordinateAxes, surface_.points(), mirrors});
-    const auto planeCount = std::ranges::count_if(mirrors, [](const auto& at) { return !!at; });
-    if (planeCount > 1) return;
-    // Other axes are worth their time if their box is clearly smaller.
-    constexpr double kSmaller = 0.8;
-    const double least = 1e-3 * diagonal_;  // of a side, for flat models
-    const auto volume = [&](const Point3& size) {
-        return (size[0] + least) * (size[1] + least) * (size[2] + least);
-    };
-    const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
-    Axes axes;
-    if (planeCount == 0) axes = orientedAxes(points);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (mirrors[axis]) axes = shapes::smallestBoxAbout(axis, points, least);
-    std::vector<Point3> turned;
-    for (const Point3& point : surface_.points()) turned.push_back(toFrame(axes, point));
-    if (volume(BoundingBox(turned).size()) < kSmaller * volume(BoundingBox(points).size()))
-        frames_.push_back({axes, std::move(turned), mirrors});
 }
 
 void CageMaker::choose(const CellChoice& choice) {
@@ -270,7 +199,7 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
         perEdge = static_cast<Index>(std::max<double>(
             kVoxelsPerEdgeApart, std::ceil(kVoxelsAcrossApart * cellSize / diagonal_)));
     // A plane of symmetry may be in the middle of a cell: then the number is even.
-    const Index step = isSymmetric(frame) ? 2 : 1;
+    const Index step = frame.isSymmetric() ? 2 : 1;
     perEdge += perEdge % step;
     while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) perEdge -= step;
     return perEdge;
@@ -510,7 +439,7 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
         failure.clear();
         end.clear();
         try {
-            addFrames(mirrors);
+            frames_ = framesOf(surface_, mirrors);
             if (auto found = findLattice(isLast ? cells : cells.first(kSymmetricChoices), failure))
                 return std::move(*found);
         } catch (const WorkError&) {
@@ -529,7 +458,7 @@ Lattice CageMaker::make(ModelSymmetry& symmetry) {
                        options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
                        end.empty() ? "" : ", or a model of fewer faces that overlap",
                        options_.keepApart ? ", or without keeping parts apart" : "",
-                       isSymmetric(frames_.front()) ? ", or without symmetry" : ""));
+                       frames_.front().isSymmetric() ? ", or without symmetry" : ""));
 }
 
 }  // namespace
