@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cube_parts.h"
 
-#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -39,19 +38,10 @@ bool isDisk(unsigned faces) {
 
 CubeParts::CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset,
                      double joinDistance, unsigned mirrorAxes)
-    : voxels_(voxels),
-      perEdge_(perEdge),
-      offset_(offset),
-      joinDistance_(joinDistance),
-      mirrorAxes_(mirrorAxes) {
-    for (int axis = 0; axis < 3; ++axis) {
-        // A layer of cubes on both sides.
-        offset_[axis] += perEdge_;
-        counts_[axis] = (voxels.grid().counts[axis] + offset_[axis]) / perEdge_ + 2;
-    }
-    std::vector<std::vector<FaceVoxel>> faces;
-    findParts(faces);
-    findContacts(faces);
+    : voxels_(voxels), cubes_(voxels.grid(), perEdge, offset), mirrorAxes_(mirrorAxes) {
+    FoundParts found = findParts(voxels, cubes_, joinDistance);
+    parts_ = std::move(found.parts);
+    partOf_ = std::move(found.partOf);
     findImages();
 }
 
@@ -62,7 +52,7 @@ void CubeParts::findImages() {
     for (std::size_t p = 0; p < parts_.size(); ++p)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if ((mirrorAxes_ >> axis & 1) == 0) continue;
-            auto place = placeOf(parts_[p].voxels.front());
+            auto place = voxels_.grid().coordinatesOf(parts_[p].voxels.front());
             place[axis] = voxels_.grid().counts[axis] - 1 - place[axis];
             images_[p][axis] = partOf_[voxels_.used().rank(voxels_.grid().cubeAt(place))];
         }
@@ -73,8 +63,8 @@ void CubeParts::findImages() {
 CubeParts::Cube CubeParts::mirrored(Cube cube, unsigned axes) const {
     for (std::size_t axis = 0; axis < 3; ++axis)
         if ((axes >> axis & 1) != 0)
-            cube[axis] =
-                (voxels_.grid().counts[axis] + 2 * offset_[axis]) / perEdge_ - 1 - cube[axis];
+            cube[axis] = (voxels_.grid().counts[axis] + 2 * cubes_.offset[axis]) / cubes_.perEdge -
+                         1 - cube[axis];
     return cube;
 }
 
@@ -112,129 +102,12 @@ std::vector<Index> CubeParts::orbitOf(Index part) const {
     return orbit;
 }
 
-/// Returns the cubes that hold voxels of the model, by their numbers.
-RankedBits CubeParts::usedCubes() const {
-    const auto& n = voxels_.grid().counts;
-    RankedBits cubes(numberOf({0, 0, counts_[2]}));
-    for (Index z = 0; z < n[2]; ++z)
-        for (Index y = 0; y < n[1]; ++y) {
-            const std::size_t row = (Offset{z} * n[1] + y) * n[0];
-            if (!voxels_.used().hasAny(row, row + n[0])) continue;
-            Cube cube = {0, (y + offset_[1]) / perEdge_, (z + offset_[2]) / perEdge_};
-            for (; cube[0] < counts_[0]; ++cube[0]) {
-                const Index low = std::max(cube[0] * perEdge_ - offset_[0], 0);
-                const Index high = std::min((cube[0] + 1) * perEdge_ - offset_[0], n[0]);
-                if (voxels_.used().hasAny(row + low, row + std::max(low, high)))
-                    cubes.insert(numberOf(cube));
-            }
-        }
-    return cubes;
-}
-
-/// Finds the connected parts of the model in each cube.
-/// \param faces gets, for each part, its voxels at the faces of its cube
-void CubeParts::findParts(std::vector<std::vector<FaceVoxel>>& faces) {
-    const auto& n = voxels_.grid().counts;
-    const Index k = perEdge_, wide = k + 2;
-    parts_.clear();
-    partOf_.assign(voxels_.used().count(), kNone);
-    // A copy of one cube, with a layer of voxels around it that are not used: 1 for voxels that are
-    // in no part yet. The layer saves a bounds test and a rank for each neighbour.
-    std::vector<char> isFree(Offset{wide} * wide * wide, 0);
-    const std::array<Index, 3> localStrides = {1, wide, wide * wide};
-    struct Member {
-        Index local;
-        std::array<Index, 3> place;  ///< in the cube
-    };
-    std::vector<Member> members;
-    usedCubes().forEach([&](std::size_t number) {
-        checkCancelled();
-        const auto row = static_cast<Index>(number) / counts_[0];
-        const Cube cube = {static_cast<Index>(number) % counts_[0], row % counts_[1],
-                           row / counts_[1]};
-        std::array<Index, 3> origin, low, high;  // the first voxel of the cube; in the cube
-        for (int axis = 0; axis < 3; ++axis) {
-            origin[axis] = cube[axis] * k - offset_[axis];
-            low[axis] = std::max(-origin[axis], 0);
-            high[axis] = std::min(k, n[axis] - origin[axis]);
-        }
-        const auto forEachPlace = [&](auto visit) {
-            for (Index z = low[2]; z < high[2]; ++z)
-                for (Index y = low[1]; y < high[1]; ++y)
-                    for (Index x = low[0]; x < high[0]; ++x)
-                        visit(std::array<Index, 3>{x, y, z},
-                              x + 1 + (y + 1) * wide + (z + 1) * wide * wide);
-        };
-        const auto voxelAt = [&](const std::array<Index, 3>& place) {
-            return ((origin[2] + place[2]) * n[1] + origin[1] + place[1]) * n[0] + origin[0] +
-                   place[0];
-        };
-        forEachPlace([&](const std::array<Index, 3>& place, Index local) {
-            isFree[local] = voxels_.used()[voxelAt(place)] ? 1 : 0;
-        });
-        const std::size_t first = parts_.size();
-        forEachPlace([&](const std::array<Index, 3>& start, Index local) {
-            if (isFree[local] == 0) return;
-            Part part;
-            part.cube = cube;
-            std::vector<FaceVoxel> atFaces;
-            members = {{local, start}};
-            isFree[local] = 0;
-            for (std::size_t i = 0; i < members.size(); ++i) {
-                const Member at = members[i];
-                const Index voxel = voxelAt(at.place);
-                part.voxels.push_back(voxel);
-                unsigned directions = 0;
-                for (int axis = 0; axis < 3; ++axis)
-                    for (const Index side : {0, 1}) {
-                        const Index step = 2 * side - 1;
-                        Member next = at;
-                        next.place[axis] += step;
-                        const bool isInGrid = next.place[axis] >= -origin[axis] &&
-                                              next.place[axis] < n[axis] - origin[axis];
-                        if (isInGrid && (next.place[axis] < 0 || next.place[axis] >= k))
-                            directions |= 1u << (2 * axis + side);
-                        next.local += step * localStrides[axis];
-                        if (isFree[next.local] == 0) continue;
-                        isFree[next.local] = 0;
-                        members.push_back(next);
-                    }
-                if (directions != 0) atFaces.push_back({voxel, directions});
-            }
-            parts_.push_back(std::move(part));
-            faces.push_back(std::move(atFaces));
-        });
-        // Parts that are near to each other are one part.
-        for (std::size_t a = first; a < parts_.size(); ++a)
-            for (std::size_t b = a + 1; b < parts_.size();) {
-                if (!areNear(parts_[a], parts_[b])) {
-                    ++b;
-                    continue;
-                }
-                const auto append = [](auto& to, const auto& more) {
-                    to.insert(to.end(), more.begin(), more.end());
-                };
-                append(parts_[a].voxels, parts_[b].voxels);
-                append(faces[a], faces[b]);
-                parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(b));
-                faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(b));
-                b = a + 1;
-            }
-        for (std::size_t a = first; a < parts_.size(); ++a)
-            for (const Index voxel : parts_[a].voxels)
-                partOf_[voxels_.used().rank(voxel)] = static_cast<Index>(a);
-    });
-}
-
-Index CubeParts::numberOf(const Cube& cube) const {
-    return (cube[2] * counts_[1] + cube[1]) * counts_[0] + cube[0];
-}
-
 Point3 CubeParts::cornerOf(const Cube& cube) const {
     const CubeGrid& grid = voxels_.grid();
     Point3 corner;
     for (int axis = 0; axis < 3; ++axis)
-        corner[axis] = grid.origin[axis] + (cube[axis] * perEdge_ - offset_[axis]) * grid.size;
+        corner[axis] =
+            grid.origin[axis] + (cube[axis] * cubes_.perEdge - cubes_.offset[axis]) * grid.size;
     return corner;
 }
 
@@ -242,96 +115,6 @@ std::optional<Index> CubeParts::partAt(const Point3& point) const {
     const Index voxel = voxels_.grid().cubeOf(point);
     if (!voxels_.used()[voxel]) return std::nullopt;
     return partOf_[voxels_.used().rank(voxel)];
-}
-
-std::array<Index, 3> CubeParts::placeOf(Index voxel) const {
-    const auto& n = voxels_.grid().counts;
-    return {voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
-}
-
-/// Returns true if a voxel of one part is at most the join distance from a voxel of another part.
-bool CubeParts::areNear(const Part& a, const Part& b) const {
-    const double distance = joinDistance_;
-    // Voxels with a common face are in one part, or in contact.
-    if (distance <= 1) return false;
-    // First the boxes around the two.
-    std::array<std::array<Index, 3>, 2> low, high;
-    for (const int side : {0, 1}) {
-        low[side].fill(kMaxIndex);
-        high[side].fill(-1);
-        for (const Index voxel : side == 0 ? a.voxels : b.voxels) {
-            const auto place = placeOf(voxel);
-            for (int axis = 0; axis < 3; ++axis) {
-                low[side][axis] = std::min(low[side][axis], place[axis]);
-                high[side][axis] = std::max(high[side][axis], place[axis]);
-            }
-        }
-    }
-    const auto away = [](const std::array<Index, 3>& way) {
-        return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-    };
-    std::array<Index, 3> way;
-    for (int axis = 0; axis < 3; ++axis)
-        way[axis] = std::max({low[0][axis] - high[1][axis], low[1][axis] - high[0][axis], 0});
-    if (away(way) > distance * distance) return false;
-    std::size_t step = 0;
-    for (const Index p : a.voxels) {
-        checkCancelledEvery(step++, 6);
-        const auto place = placeOf(p);
-        for (int axis = 0; axis < 3; ++axis)
-            way[axis] = std::max({low[1][axis] - place[axis], place[axis] - high[1][axis], 0});
-        if (away(way) > distance * distance) continue;
-        for (const Index q : b.voxels) {
-            const auto other = placeOf(q);
-            for (int axis = 0; axis < 3; ++axis) way[axis] = place[axis] - other[axis];
-            if (away(way) <= distance * distance) return true;
-        }
-    }
-    return false;
-}
-
-void CubeParts::findContacts(std::span<const std::vector<FaceVoxel>> faces) {
-    const auto& n = voxels_.grid().counts;
-    const std::array<Index, 3> strides = {1, n[0], n[0] * n[1]};
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        Part& part = parts_[p];
-        checkCancelled();
-        for (const auto& [voxel, directions] : faces[p])
-            for (Index direction = 0; direction < kDirections; ++direction) {
-                if ((directions >> direction & 1) == 0) continue;
-                const Index next = voxel + (2 * (direction & 1) - 1) * strides[direction / 2];
-                if (!voxels_.used()[next]) continue;
-                const Index other = partOf_[voxels_.used().rank(next)];
-                auto found = std::find_if(
-                    part.contacts.begin(), part.contacts.end(), [&](const Contact& contact) {
-                        return contact.to == other && contact.direction == direction;
-                    });
-                if (found == part.contacts.end())
-                    found = part.contacts.insert(found, {other, direction});
-                ++found->count;
-            }
-    }
-    // Parts in neighbouring cubes that are near to each other have contacts, too.
-    const Index cubeCount = counts_[0] * counts_[1] * counts_[2];
-    std::vector<Index> firstPart(cubeCount + 1, static_cast<Index>(parts_.size()));
-    for (std::size_t p = parts_.size(); p-- > 0;)
-        firstPart[numberOf(parts_[p].cube)] = static_cast<Index>(p);
-    for (Index cube = cubeCount; cube-- > 0;)
-        firstPart[cube] = std::min(firstPart[cube], firstPart[cube + 1]);
-    for (std::size_t p = 0; p < parts_.size(); ++p)
-        for (Index axis = 0; axis < 3; ++axis) {
-            Cube cube = parts_[p].cube;
-            ++cube[axis];
-            const Index number = numberOf(cube);
-            for (Index q = firstPart[number]; q < firstPart[number + 1]; ++q) {
-                const auto isThis = [&](const Contact& contact) { return contact.to == q; };
-                if (std::any_of(parts_[p].contacts.begin(), parts_[p].contacts.end(), isThis) ||
-                    !areNear(parts_[p], parts_[q]))
-                    continue;
-                parts_[p].contacts.push_back({q, 2 * axis + 1});
-                parts_[q].contacts.push_back({static_cast<Index>(p), 2 * axis});
-            }
-        }
 }
 
 std::optional<Index> CubeParts::neighbour(Index part, Index direction) const {
@@ -386,8 +169,8 @@ double CubeParts::squareToFace(const Cube& cube, Index direction,
                                const std::array<Index, 3>& place) const {
     double square = 0;
     for (Index axis = 0; axis < 3; ++axis) {
-        const Index low = cube[axis] * perEdge_ - offset_[axis];
-        const double at = place[axis] + 0.5 - low, high = perEdge_;
+        const Index low = cube[axis] * cubes_.perEdge - cubes_.offset[axis];
+        const double at = place[axis] + 0.5 - low, high = cubes_.perEdge;
         double way;
         if (axis == direction / 2)
             way = at - ((direction & 1) != 0 ? high : 0);
@@ -407,7 +190,7 @@ bool CubeParts::areShallow(const Part& part, unsigned faces, double most, double
     depth = 0;
     double largest = -1;
     for (const Index voxel : part.voxels) {
-        const auto place = placeOf(voxel);
+        const auto place = voxels_.grid().coordinatesOf(voxel);
         double least = std::numeric_limits<double>::infinity();
         for (Index d = 0; d < kDirections; ++d)
             if ((faces >> d & 1) != 0) least = std::min(least, squareToFace(part.cube, d, place));
@@ -492,7 +275,7 @@ void CubeParts::giveVoxels(Index number,
                            const std::array<std::optional<Index>, kDirections>& neighbours) {
     Part& part = parts_[number];
     for (const Index voxel : part.voxels) {
-        const auto place = placeOf(voxel);
+        const auto place = voxels_.grid().coordinatesOf(voxel);
         Index best = kNone;
         double least = 0;
         for (Index d = 0; d < kDirections; ++d) {

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "find_parts.h"
 #include "model_voxels.h"
-#include "ranked_bits.h"
 
 namespace espalier::cages {
 
@@ -24,22 +24,10 @@ namespace espalier::cages {
 /// functions do the same to all images of a part at once.
 class CubeParts {
 public:
-    using Cube = std::array<Index, 3>;
-    static constexpr Index kDirections = 6;  ///< axis · 2 + 1 for the higher side
-
-    struct Contact {
-        Index to = 0;
-        Index direction = 0;
-        Index count = 0;  ///< number of pairs of voxels
-    };
-    struct Part {
-        Cube cube = {};
-        std::vector<Index> voxels;
-        std::vector<Contact> contacts;
-        bool isUsed = true;
-        bool isAdded = false;  ///< it holds no voxels of the model
-        int joins = 0;
-    };
+    using Cube = Cubes::Cube;
+    using Part = CubePart;
+    using Contact = CubePart::Contact;
+    static constexpr Index kDirections = cages::kDirections;
 
     /// \param voxels is kept by reference
     /// \param perEdge voxels along the edge of a cube
@@ -56,7 +44,7 @@ public:
     Index count() const { return static_cast<Index>(parts_.size()); }
 
     /// Returns the number of a cube. Numbers ascend by layers.
-    Index numberOf(const Cube& cube) const;
+    Index numberOf(const Cube& cube) const { return cubes_.numberOf(cube); }
     /// Returns the lowest corner of a cube.
     Point3 cornerOf(const Cube& cube) const;
     /// Returns the part that holds a point of the model.
@@ -97,16 +85,7 @@ public:
     const std::optional<Point3>& joined() const { return joined_; }
 
 private:
-    /// A voxel at faces of its cube.
-    struct FaceVoxel {
-        Index voxel = 0;
-        unsigned directions = 0;  ///< bits of the faces with a voxel of the grid behind them
-    };
-    RankedBits usedCubes() const;
-    void findParts(std::vector<std::vector<FaceVoxel>>& faces);
-    void findContacts(std::span<const std::vector<FaceVoxel>> faces);
     void findImages();
-    std::array<Index, 3> placeOf(Index voxel) const;
     Cube mirrored(Cube cube, unsigned axes) const;
     Index imageOf(Index part, unsigned axes) const;
     Index alive(Index part) const;
@@ -119,15 +98,11 @@ private:
     void giveVoxels(Index part, const std::array<std::optional<Index>, kDirections>& neighbours);
     void joinPair(Index kept, Index other, int joins);
     void addOneContact(Index part, const Contact& contact);
-    bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
     double squareToFace(const Cube& cube, Index direction, const std::array<Index, 3>& place) const;
 
     const ModelVoxels& voxels_;
-    Index perEdge_;
-    Cube offset_;
-    double joinDistance_;
-    Cube counts_;  ///< number of cubes along each axis
+    Cubes cubes_;
     unsigned mirrorAxes_;
     std::vector<Part> parts_;
     std::vector<std::array<Index, 3>> images_;  ///< of each part, across each axis with a plane
