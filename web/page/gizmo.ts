@@ -5,6 +5,7 @@
 import * as THREE from "three";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
 import type { Point } from "../library/espalier.ts";
+import type { Document } from "./document.ts";
 import type { Editor } from "./editor.ts";
 import type { Axis, Transform } from "./protocol.ts";
 import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
@@ -15,6 +16,8 @@ export type Mode = "translate" | "rotate" | "scale";
 const kEndOn = Math.cos(THREE.MathUtils.degToRad(20));
 
 interface Start {
+  /** A drag ends without an edit if the document is another one by then: after undo, say. */
+  readonly document: Document;
   readonly positions: Float64Array;
   readonly weights: Weights;
   readonly mode: Mode;
@@ -145,9 +148,9 @@ export class Gizmo {
   private begin(): void {
     this.isDragging = true;
     this.handle.updateMatrix();
-    const { positions } = this.editor;
+    const { document, positions } = this.editor;
     const weights = this.editor.weights();
-    this.start = { positions, weights, mode: this.mode, matrix: this.handle.matrix.clone() };
+    this.start = { document, positions, weights, mode: this.mode, matrix: this.handle.matrix.clone() };
     this.latest = null;
   }
 
@@ -158,7 +161,7 @@ export class Gizmo {
   }
 
   private async follow(): Promise<void> {
-    while (this.isStale && this.start) {
+    while (this.isStale && this.start?.document === this.editor.document) {
       this.isStale = false;
       await this.editor.attempt(async () => {
         this.latest = await this.moved();
@@ -247,8 +250,9 @@ export class Gizmo {
     await (this.following ?? this.follow());
     this.start = null;
     const { latest } = this;
+    const isValid = start.document === this.editor.document && latest !== null;
     await this.editor.attempt(() =>
-      latest ? this.editor.setPositions(latest, step) : this.editor.endPreview(),
+      isValid ? this.editor.setPositions(latest, step) : this.editor.endPreview(),
     );
     this.controls.enabled = true;
     this.place();

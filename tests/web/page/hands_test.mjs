@@ -470,6 +470,30 @@ describe("hands in the page", () => {
       assert.ok(end[10] > start[10] + 0.02);
     }, kLargeWindow));
 
+  test("undo during a drag ends it", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await select(page, [63]);
+      const before = await positions(page);
+      await page.evaluate(() => globalThis.espalier.editor.transform({ kind: "move", offset: [0.5, 0, 0] }));
+      await page.evaluate(() => {
+        const { gizmo } = globalThis.espalier;
+        gizmo.controls.dragging = true;
+        gizmo.handle.position.y += 0.4;
+        gizmo.controls.dispatchEvent({ type: "objectChange" });
+      });
+      await press(page, "Control+z");
+      await page.evaluate(() => {
+        const { gizmo } = globalThis.espalier;
+        gizmo.handle.position.y += 0.4;
+        gizmo.controls.dispatchEvent({ type: "objectChange" });
+        gizmo.controls.dragging = false;
+      });
+      await handlesLetGo(page);
+      assert.deepEqual(await positions(page), before);
+      assert.ok(!(await page.evaluate(() => globalThis.espalier.editor.transient)));
+    }, kLargeWindow));
+
   test("a pull that would fold cells stays behind, and says so", () =>
     withPage(async (page) => {
       await openExample(page);
