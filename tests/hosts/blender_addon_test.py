@@ -156,16 +156,35 @@ class BlenderAddOn(CliTest):
             for picture in self.path.glob("*.png"):
                 shutil.copy(picture, PICTURES)
 
-    def test_caches_and_gltf_of_the_program(self):
+    def put_model_in_lattice(self, rest):
+        """Makes a lattice, and model.obj inside it. Returns the points of the model, and its faces as loops."""
         import numpy as np
-        self.run_program("shape", "cylinder", "--sectors", 6, "--layers", 3, "-o", "rest.ovm")
-        self.run_program("refine", "rest.ovm", "-n", 2, "-o", "refined.vtu")
-        self.run_program("refine", "rest.ovm", "-n", 0, "-o", "model.obj")
+        self.run_program("shape", "cylinder", "--sectors", 6, "--layers", 3, "-o", rest)
+        self.run_program("refine", rest, "-n", 0, "-o", "model.obj")
         points = np.array(self.read_points("model.obj")) * 0.8 + 0.05
         faces = [[int(word) - 1 for word in line.split()[1:]]
                  for line in self.text("model.obj").splitlines() if line.startswith("f ")]
         self.put("model.obj", "".join("v %.9g %.9g %.9g\n" % tuple(p) for p in points)
                  + "".join("f " + " ".join(str(v + 1) for v in face) + "\n" for face in faces))
+        return points, faces
+
+    def test_a_pose_of_a_model_with_y_up(self):
+        """What is taken home from the page: the model, the lattice at rest and poses."""
+        self.put_model_in_lattice("rest.vtu")
+        self.run_program("pose", "rest.vtu", "--twist", "z", 50, "--move", 0.3, 0.2, -0.1, "-o", "pose.vtu")
+        self.run_program("pose", "rest.vtu", "--bend", "z", 40, "-o", "bent.vtu")
+        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 3, "-o", "other.vtu")
+        self.deform("model.obj", "rest.vtu", "rest.vtu", out="model.glb")
+        for name in ("pose", "bent"):
+            self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", f"{name}.vtu", "-n", 3, "-o",
+                             f"{name}.obj", "--quiet")
+        import numpy as np
+        np.save(self.path / "expected.npy", [self.read_points(f"{name}.obj") for name in ("pose", "bent")])
+        self.blender("poses_with_y_up")
+
+    def test_caches_and_gltf_of_the_program(self):
+        import numpy as np
+        points, faces = self.put_model_in_lattice("rest.ovm")
         poses = []
         for i in range(5):
             poses.append(f"pose{i}.ovm")

@@ -4,7 +4,7 @@
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import binding, engine, evaluation, lattice_object, make
+from . import axes, binding, engine, evaluation, lattice_object, make, shape_keys
 from .lattice_object import LatticeError
 from .op_base import EspalierOperator, active_lattice, report_bound, select_only, selected_meshes
 
@@ -87,22 +87,39 @@ class MakeLattice(EspalierOperator, bpy.types.Operator):
         self.report({"INFO"}, f"{object.name}: {len(cells)} cells")
 
 
-class ImportLattice(EspalierOperator, ImportHelper, bpy.types.Operator):
-    """Import a lattice"""
+class ImportLattice(EspalierOperator, ImportHelper, axes.HasUp, bpy.types.Operator):
+    """Import a lattice, or a pose of the active lattice"""
 
     bl_idname = "espalier.import_lattice"
     bl_label = "Import Espalier Lattice"
 
     filename_ext = ".vtu"
     filter_glob: bpy.props.StringProperty(default=FILE_FILTER, options={"HIDDEN"})
+    as_pose: bpy.props.BoolProperty(name="As Pose", default=True,
+                                    description="A file with the cells of the active lattice becomes a shape key of "
+                                                "this lattice")
 
     def run(self, context):
         espalier = engine.load()
         if not self.filepath:
             raise LatticeError("choose a file with a lattice")
-        lattice = espalier.read(self.filepath)
         name = bpy.path.display_name_from_filepath(self.filepath)
-        select_only(context, lattice_object.object_of(lattice, name, context.collection))
+        active = lattice_of_active(context) if self.as_pose else None
+        pose = pose_in_file(espalier, self.filepath, active) if active else None
+        if pose is not None:
+            self.add_pose(active, name, axes.from_file(pose, self.up))
+        else:
+            self.add_lattice(context, name, espalier.read(self.filepath))
+
+    def add_pose(self, lattice, name, positions):
+        lattice_object.check_local(lattice)
+        key, turned_off = shape_keys.add_pose(lattice, name, positions)
+        self.report({"INFO"}, f"{name} is a pose of {lattice.name}: its shape key {key.name} has the value 1"
+                    + (f"; set to 0: {', '.join(turned_off)}" if turned_off else ""))
+
+    def add_lattice(self, context, name, lattice):
+        turned = lattice.with_positions(axes.from_file(lattice.positions, self.up))
+        select_only(context, lattice_object.object_of(turned, name, context.collection))
         dropped = [*lattice.attributes, *lattice.integers]
         if lattice.vertex_sharpness:
             dropped.append("sharpness of vertices")
@@ -110,7 +127,23 @@ class ImportLattice(EspalierOperator, ImportHelper, bpy.types.Operator):
                     + (f"; a mesh cannot hold: {', '.join(dropped)}" if dropped else ""))
 
 
-class ExportLattice(EspalierOperator, ExportHelper, bpy.types.Operator):
+def lattice_of_active(context):
+    """Returns the active object if it is a lattice, or the lattice to which it is bound; None if there is none."""
+    active = context.view_layer.objects.active
+    if active is not None and binding.is_bound(active):
+        active = active.espalier.lattice
+    return active if lattice_object.is_lattice(active) else None
+
+
+def pose_in_file(espalier, path, lattice):
+    """Returns the positions of a file that is a pose of a lattice object: array (V, 3); None if it is none."""
+    try:
+        return espalier.read_pose(path, lattice_object.lattice_of(lattice, espalier, use_creases=False))
+    except (LatticeError, OSError, ValueError):
+        return None
+
+
+class ExportLattice(EspalierOperator, ExportHelper, axes.HasUp, bpy.types.Operator):
     """Export the active lattice as it is posed now, in its own coordinates"""
 
     bl_idname = "espalier.export_lattice"
@@ -125,5 +158,5 @@ class ExportLattice(EspalierOperator, ExportHelper, bpy.types.Operator):
         lattice = active_lattice(context, to_change=False)
         lattice_object.sync(lattice)
         positions = lattice_object.posed_positions(lattice, context.evaluated_depsgraph_get())
-        lattice_object.lattice_of(lattice, espalier, positions).write(self.filepath)
+        lattice_object.lattice_of(lattice, espalier, axes.to_file(positions, self.up)).write(self.filepath)
         self.report({"INFO"}, f"{self.filepath}: {len(positions)} vertices")

@@ -11,7 +11,8 @@ from .op_cells import ExtrudeCell, MarkFolded, UpdateCells
 # The buttons of the panel, in groups: by the kind of the active object.
 BUTTONS = {
     "other": ((MakeLattice, ImportLattice),),
-    "lattice": ((Bind, Rebind, Unbind), (UpdateCells, ExtrudeCell, MarkFolded), (ExportLattice,)),
+    "lattice": ((Bind, Rebind, Unbind), (UpdateCells, ExtrudeCell, MarkFolded),
+                (ImportLattice, ExportLattice)),
     "bound": ((Rebind, Unbind, MarkOutside), (BakeShapeKeys, BakePointCache, FollowAgain)),
 }
 # AddLattice has a menu of its kinds.

@@ -2,6 +2,7 @@
 """Shape keys of meshes and their animation."""
 
 import bpy
+import numpy as np
 
 
 def names(object):
@@ -32,6 +33,22 @@ def curves_of_key(keys, name):
     """Returns the animation curves of one shape key."""
     path = f'key_blocks["{bpy.utils.escape_identifier(name)}"].'
     return [curve for curve in curves(keys) if curve.data_path.startswith(path)]
+
+
+def add_pose(object, name, positions):
+    """Adds a shape key with positions, makes it active and shows it alone, since Blender adds up the shape keys above 0.
+    Returns the shape key, and the names of the shape keys that are set to 0."""
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis", from_mix=False)
+    others = [key for key in object.data.shape_keys.key_blocks[1:] if key.value != 0]
+    for key in others:
+        key.value = 0
+    added = object.shape_key_add(name=name, from_mix=False)
+    added.data.foreach_set("co", np.asarray(positions, dtype=np.float32).ravel())
+    added.value = 1
+    object.active_shape_key_index = len(object.data.shape_keys.key_blocks) - 1
+    object.data.update()
+    return added, [key.name for key in others]
 
 
 def remove(object, name):

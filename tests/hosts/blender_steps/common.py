@@ -62,6 +62,28 @@ def evaluated(object):
     return points.reshape(-1, 3)
 
 
+def world_points(object):
+    """Returns evaluated() in the coordinates of the scene: array (N, 3)."""
+    matrix = np.array(object.matrix_world)
+    return evaluated(object) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def import_model(name):
+    """Imports a file of FOLDER, .glb or .obj, by Blender's importer with its defaults. Returns the mesh object."""
+    if name.endswith(".glb"):
+        np.bool = bool  # The importer of Blender 3.4 uses a name that NumPy 1.24 has removed.
+        bpy.ops.import_scene.gltf(filepath=str(FOLDER / name))
+    else:
+        bpy.ops.wm.obj_import(filepath=str(FOLDER / name))
+    bpy.context.view_layer.update()
+    return next(object for object in bpy.context.selected_objects if object.type == "MESH")
+
+
+def z_up(points):
+    """Returns what Blender's importers make of points with y up: (x, y, z) becomes (x, -z, y)."""
+    return np.stack([points[..., 0], -points[..., 2], points[..., 1]], axis=-1)
+
+
 def write_obj(path, points):
     path.write_text("".join("v %.9g %.9g %.9g\n" % tuple(p) for p in points))
 

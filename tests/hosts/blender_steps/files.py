@@ -6,8 +6,8 @@ import json
 import bpy
 import numpy as np
 
-from .common import (FOLDER, check, enable, clear, sphere, select, evaluated, add_lattice, move_lattice, twist,
-                     animate)
+from .common import (FOLDER, check, enable, clear, sphere, select, evaluated, world_points, import_model, z_up,
+                     add_lattice, move_lattice, twist, animate)
 
 
 def save():
@@ -303,14 +303,10 @@ def caches():
             scene.frame_set(frame)
             difference = np.abs(evaluated(object) - expected[frame]).max()
             check(difference < 1e-6, f"{kind}, frame {frame}: {difference}")
-    # The importer of Blender 3.4 uses a name that NumPy 1.24 has removed.
-    np.bool = bool
-    bpy.ops.import_scene.gltf(filepath=str(FOLDER / "out.glb"))
-    object = bpy.context.selected_objects[0]
+    object = import_model("out.glb")
     keys = object.data.shape_keys.key_blocks
     check([k.name for k in keys][1:] == [f"pose {i}" for i in range(len(expected))], [k.name for k in keys])
-    # Blender's importer turns y up into z up: (x, y, z) becomes (x, -z, y).
-    turned = np.stack([expected[..., 0], -expected[..., 2], expected[..., 1]], axis=-1)
+    turned = z_up(expected)
     for i in range(len(expected)):
         points = np.empty(3 * len(rest), dtype=np.float32)
         keys[i + 1].data.foreach_get("co", points)
@@ -320,6 +316,65 @@ def caches():
         scene.frame_set(i)
         difference = np.abs(evaluated(object) - turned[i]).max()
         check(difference < 2e-6, f"glb, frame {i}: {difference}")
+
+
+def import_lattice(name, **settings):
+    result = bpy.ops.espalier.import_lattice(filepath=str(FOLDER / name), **settings)
+    check(result == {"FINISHED"}, f"import_lattice: {result}")
+    return bpy.context.active_object
+
+
+def poses_with_y_up():
+    """Models, a lattice and its poses, all with y up: the lattice fits the model, and poses are shape keys of it."""
+    enable()
+    from espalier_lattice import engine
+    espalier = engine.load()
+    expected = z_up(np.load(FOLDER / "expected.npy"))
+    # Blender has floats; the binding and the result are rounded, and the turn of an OBJ is a matrix of floats.
+    bound = 3 * 2 ** -22
+    for name in ("model.glb", "model.obj"):
+        clear()
+        model = import_model(name)
+        rest = world_points(model)
+        lattice = import_lattice("rest.vtu", up="Y")
+        check(np.abs(evaluated(lattice) - z_up(espalier.read(FOLDER / "rest.vtu").positions)).max() < 1e-6, "rest")
+        select(model, lattice)
+        check(bpy.ops.espalier.bind() == {"FINISHED"}, "bind")
+        check(np.abs(world_points(model) - rest).max() < bound, f"{name}: at rest")
+
+        # The lattice is active; then the bound model. Each pose is shown alone.
+        for i, (pose, active) in enumerate((("pose", lattice), ("bent", model))):
+            select(active)
+            check(import_lattice(f"{pose}.vtu", up="Y") == active, "a pose becomes no object")
+            difference = np.abs(world_points(model) - expected[i]).max()
+            check(difference < bound, f"{name}, {pose}: {difference}")
+            check(lattice.active_shape_key.name == pose, lattice.active_shape_key.name)
+        keys = lattice.data.shape_keys.key_blocks
+        values = [(key.name, key.value) for key in keys[1:]]
+        check(values == [("pose", 0), ("bent", 1)], values)
+
+        # Keyframes of the values play the poses.
+        keys["bent"].value = 0
+        for frame, value in ((1, 0), (24, 1)):
+            keys["pose"].value = value
+            keys["pose"].keyframe_insert("value", frame=frame)
+        for frame, points in ((24, expected[0]), (1, rest)):
+            bpy.context.scene.frame_set(frame)
+            check(np.abs(world_points(model) - points).max() < bound, f"{name}, frame {frame}")
+
+        # Other cells, or As Pose turned off: another lattice.
+        for file, settings in (("other.vtu", {}), ("pose.vtu", {"as_pose": False})):
+            select(lattice)
+            check(import_lattice(file, **settings) != lattice, file)
+            check(len(keys) == 3, "no shape key is added")
+
+    # A file whose coordinates are floats is the same file after import and export.
+    lattice = espalier.read(FOLDER / "pose.vtu")
+    lattice.with_positions(lattice.positions.astype(np.float32)).write(FOLDER / "floats.vtu")
+    for up in "YZ":
+        import_lattice("floats.vtu", up=up, as_pose=False)
+        bpy.ops.espalier.export_lattice(filepath=str(FOLDER / "again.vtu"), up=up)
+        check((FOLDER / "again.vtu").read_bytes() == (FOLDER / "floats.vtu").read_bytes(), f"{up} up, there and back")
 
 
 def legacy_obj():

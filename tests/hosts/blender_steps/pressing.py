@@ -214,8 +214,10 @@ def presses():
     from espalier_lattice import operators
     file, missing = str(FOLDER / "press.vtu"), str(FOLDER / "missing" / "press.vtu")
     options = {"add_lattice": [{"kind": "BOX"}, {"kind": "CAGE", "vertices": 20}, {"kind": "TORUS", "bind": False}],
-               "import_lattice": [{"filepath": file}, {"filepath": missing}, {"filepath": ""}],
-               "export_lattice": [{"filepath": file}, {"filepath": missing}, {"filepath": str(FOLDER / "a.xyz")}],
+               "import_lattice": [{"filepath": file}, {"filepath": file, "as_pose": False, "up": "Y"},
+                                  {"filepath": missing}, {"filepath": ""}],
+               "export_lattice": [{"filepath": file}, {"filepath": file, "up": "Y"},
+                                  {"filepath": missing}, {"filepath": str(FOLDER / "a.xyz")}],
                "bake_point_cache": [{"filepath": str(FOLDER / "press.pc2")}, {"filepath": missing}],
                "bake_shape_keys": [{}, {"use_scene_range": False, "first": 2, "last": 1}]}
     found = []
