@@ -52,22 +52,29 @@ public:
     Companions found;
 
 private:
-    /// Returns the file that a name means; empty if there is none.
+    /// Returns the file that a name means; empty if there is none in the folder or below it. A
+    /// model of somebody else may name any file, and the page is sent to others.
     static fs::path fileOf(const fs::path& folder, std::string name) {
+        if (name.find('\0') != std::string::npos) return {};
         std::ranges::replace(name, '\\', '/');
         const fs::path named(name);
         if (std::ranges::find(kExtensions, lowerCase(named.extension().string())) ==
             std::end(kExtensions))
             return {};
         std::error_code unknown;
+        const fs::path top = fs::weakly_canonical(folder.empty() ? "." : folder, unknown);
+        const auto isInside = [&](const fs::path& file) {
+            const fs::path real = fs::weakly_canonical(file, unknown);
+            return std::ranges::mismatch(top, real).in1 == top.end();
+        };
         for (const fs::path& file : {folder / named.relative_path(), folder / named.filename()})
-            if (fs::is_regular_file(file, unknown)) return file;
+            if (fs::is_regular_file(file, unknown) && isInside(file)) return file;
         // Windows does not tell capital letters from small ones.
         std::vector<fs::path> alike;
         for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, unknown))
             if (lowerCase(entry.path().filename().string()) ==
                     lowerCase(named.filename().string()) &&
-                entry.is_regular_file(unknown))
+                entry.is_regular_file(unknown) && isInside(entry.path()))
                 alike.push_back(folder / entry.path().filename());
         return alike.empty() ? fs::path() : *std::ranges::min_element(alike);
     }

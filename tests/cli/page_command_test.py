@@ -60,16 +60,17 @@ class Page(CliTest):
     def test_files_that_belong_to_the_model(self):
         os.makedirs(self.path / "art/skins")
         self.put("art/paint.mtl", "newmtl a\n\tmap_Kd -s 1 1 1 my skin.png\r\nmap_bump C:\\here\\skins\\rough.JPG\n"
-                                  "map_Ks ../secret.txt\nmap_Ka none.png\nKd 1 1 1\nbump my skin.png\n")
-        for name in ("art/my skin.png", "art/skins/rough.JPG", "secret.txt", "art/other.png"):
+                                  "map_Ks ../secret.txt\nmap_Ka none.png\nmap_Kd ../out.png\nmap_Kd link.png\nKd 1 1 1\nbump my skin.png\n")
+        for name in ("art/my skin.png", "art/skins/rough.JPG", "secret.txt", "out.png", "art/other.png"):
             self.put(name, name)
+        os.symlink("../secret.txt", self.path / "art/link.png")
         self.put("art/model.obj", "mtllib paint.mtl\n" + self.text("model.obj"))
         files = self.page("art/model.obj")["models"][0]["companions"]
         self.assertEqual([each["name"] for each in files], ["paint.mtl", "my skin.png"])
         self.assertEqual(base64.b64decode(files[1]["data"]), b"art/my skin.png")
         note = self.run_program("page", "art/model.obj", "--page", "empty.html", "-o", "page.html").stderr
-        self.assertIn("art/model.obj: 3 of the files that it names are not in the page: "
-                      "C:\\here\\skins\\rough.JPG, ../secret.txt, none.png", note)
+        self.assertIn("art/model.obj: 5 of the files that it names are not in the page: "
+                      "C:\\here\\skins\\rough.JPG, ../secret.txt, none.png, ../out.png, link.png", note)
         # Folders of another computer do not count, if the file is beside the model.
         os.rename(self.path / "art/skins/rough.JPG", self.path / "art/rough.JPG")
         files = self.page("art/model.obj")["models"][0]["companions"]
@@ -85,7 +86,7 @@ class Page(CliTest):
             "bufferViews": [{"buffer": 0, "byteLength": 36}],
             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
                            "min": [0, 0, 0], "max": [1, 1, 0]}],
-            "images": [{"uri": "data:image/png;base64,AAAA"}, {"uri": "gone.png"}],
+            "images": [{"uri": "data:image/png;base64,AAAA"}, {"uri": "gone.png"}, {"uri": "secret.txt%00.png"}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
             "scenes": [{"nodes": [0]}], "scene": 0}))
         files = self.page("one.gltf")["models"][0]["companions"]
