@@ -52,7 +52,7 @@ export function buffersBeside(model: ModelFile): Record<string, Uint8Array> {
   const found: Record<string, Uint8Array> = {};
   if (extensionOf(model.name) !== ".gltf") return found;
   const missing: string[] = [];
-  for (const { uri } of [jsonOf(model).buffers ?? []].flat()) {
+  for (const { uri } of [jsonOf(model)?.buffers ?? []].flat().filter((buffer) => buffer !== null)) {
     if (typeof uri !== "string" || /^[a-z][a-z\d+.-]*:/i.test(uri)) continue;
     const path = decoded(uri);
     const file = companionOf(model, path);

@@ -87,6 +87,8 @@ export class Editor {
   private isStale = false;
   /** positions while something is dragged or played, which are not in the document */
   private transient: Float64Array | null = null;
+  /** the vertices that the last operations left in place, since they have no mirror image */
+  private withoutImage = 0;
   private lastFoldCheck = { end: 0, took: 0 };
 
   constructor(
@@ -257,6 +259,9 @@ export class Editor {
       return;
     }
     if (this.open.settings === settings) return;
+    // A binding that fails leaves nothing bound.
+    this.binding = null;
+    this.open = { ...this.open, settings: null };
     this.binding = await this.engine.run("bind", settings);
     this.open = { ...this.open, settings, positions: null };
     this.view.setOutside(this.binding.outside);
@@ -319,6 +324,7 @@ export class Editor {
       await action();
     } catch (error) {
       if (!(error instanceof Cancelled)) this.fail(error);
+      else await this.update(); // The new worker has nothing open.
     }
   }
 
@@ -465,8 +471,7 @@ export class Editor {
     transforms: readonly Transform[],
   ): Promise<Float64Array> {
     const result = await this.engine.run("transform", positions, weights, transforms);
-    if (result.withoutImage > 0)
-      this.onMessage(`No mirror image for ${result.withoutImage} of the vertices: they stay.`, false);
+    this.withoutImage = result.withoutImage;
     return result.positions;
   }
 
@@ -500,6 +505,13 @@ export class Editor {
    * @param step the option of `espalier pose` that does the same, if there is one
    */
   async setPositions(positions: Float64Array, step: string | null): Promise<void> {
+    await this.editPositions(positions, step);
+    if (this.withoutImage > 0)
+      this.onMessage(`No mirror image for ${this.withoutImage} of the vertices: they stay.`, false);
+    this.withoutImage = 0;
+  }
+
+  private async editPositions(positions: Float64Array, step: string | null): Promise<void> {
     if (this.isAtRest) return this.editLattice({ kind: "move", positions });
     // Between two poses, the edit makes a pose of its own.
     const { time } = this.document;

@@ -131,6 +131,11 @@ export class Gizmo {
     view.ask();
   }
 
+  /** Whether no drag goes on, or is being ended. */
+  get isIdle(): boolean {
+    return this.start === null;
+  }
+
   /** Pulls a point from now on to where the pointer is: moveTo() and end() follow. */
   beginPull(point: number): void {
     this.pulls = [point];

@@ -48,7 +48,7 @@ export class Pointer {
     const { offsetX: x, offsetY: y } = event;
     const adds = event.shiftKey || this.adds;
     const pulled =
-      this.gizmo.isPulling && !isOnHandle && !adds ? this.editor.view.pointAt(x, y) : null;
+      this.gizmo.isPulling && this.gizmo.isIdle && !isOnHandle && !adds ? this.editor.view.pointAt(x, y) : null;
     const hasNoArea = isOnHandle || !this.editor.shape || this.gizmo.isPulling;
     const area = hasNoArea ? null : event.shiftKey ? (areas ?? "box") : areas;
     this.press = { path: [[x, y]], area, isOnHandle, pulled, isPulling: false };

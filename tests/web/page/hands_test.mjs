@@ -410,6 +410,7 @@ describe("hands in the page", () => {
       await page.evaluate(() =>
         globalThis.espalier.editor.transform({ kind: "move", offset: [0, 0, 0.1] }),
       );
+      assert.ok(await page.isVisible("#message"));
       assert.equal(
         await page.textContent("#message span"),
         "No mirror image for 1 of the vertices: they stay.",

@@ -113,7 +113,7 @@ describe("what the program makes too", () => {
       // A broken file changes nothing.
       writeFileSync(file("broken.vtu"), "no lattice");
       await choose(page, "join lattice", file("broken.vtu"));
-      await page.waitForFunction(() => !document.querySelector("#message").hidden);
+      await page.waitForFunction(() => document.querySelector("#message.error:not([hidden])") !== null);
       assert.match(await message(page), /broken/);
       assert.equal((await documentNow(page)).poses[0].steps.length, 0);
       assert.equal(await page.evaluate(() => globalThis.espalier.editor.shape.cells.length), 16);

@@ -108,7 +108,7 @@ describe("several models", () => {
       assert.equal(await page.evaluate(() => globalThis.espalier.editor.binding.outside.length), 0);
       // A broken file changes nothing.
       await drop(page, [["broken.ply", "no model"]]);
-      await page.waitForFunction(() => !document.querySelector("#message").hidden);
+      await page.waitForFunction(() => document.querySelector("#message.error:not([hidden])") !== null);
       assert.equal((await documentNow(page)).models.length, 3);
       assert.ok(await page.evaluate(() => globalThis.espalier.editor.binding !== null));
     }));
