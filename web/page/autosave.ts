@@ -5,7 +5,6 @@ import { kEmptyDocument, type Document } from "./document.ts";
 import type { ModelFile } from "./protocol.ts";
 
 const kStore = "documents";
-const kKey = "last";
 /** Changes with the stores of the database. */
 const kVersion = 1;
 
@@ -40,9 +39,9 @@ async function withStore<T>(
 type SavedDocument = Document & { model?: ModelFile | null };
 
 /** The document that was saved last, if there is one and the browser gives it. */
-export async function savedDocument(): Promise<Document | null> {
+export async function savedDocument(key: string): Promise<Document | null> {
   try {
-    const saved = await withStore<SavedDocument>("readonly", (store) => store.get(kKey));
+    const saved = await withStore<SavedDocument>("readonly", (store) => store.get(key));
     if (!saved) return null;
     // An older page may have saved it, without the fields that are new.
     const { model, ...document } = saved;
@@ -55,14 +54,14 @@ export async function savedDocument(): Promise<Document | null> {
 let timer: ReturnType<typeof setTimeout> | undefined;
 
 /** Saves the document soon; later calls replace earlier ones. */
-export function saveSoon(document: Document): void {
+export function saveSoon(document: Document, key: string): void {
   clearTimeout(timer);
-  timer = setTimeout(() => void save(document), 400);
+  timer = setTimeout(() => void save(document, key), 400);
 }
 
-async function save(document: Document): Promise<void> {
+async function save(document: Document, key: string): Promise<void> {
   try {
-    await withStore("readwrite", (store) => store.put(document, kKey));
+    await withStore("readwrite", (store) => store.put(document, key));
   } catch {
     // The browser keeps nothing: there is no place to save to.
   }

@@ -45,6 +45,16 @@ export function embeddedFiles(): EmbeddedFiles | null {
   return text === "" ? null : JSON.parse(text);
 }
 
+/** The name under which the browser keeps the work: a page that was sent has its own, since all pages that are opened
+ * from files share what the browser keeps. */
+export function nameOfWork(): string {
+  const text = document.querySelector("#espalier-files")!.textContent!.trim();
+  if (text === "") return "last";
+  let hash = 0;
+  for (let i = 0; i < text.length; ++i) hash = (Math.imul(hash, 31) + text.charCodeAt(i)) | 0;
+  return `sent ${text.length} ${hash}`;
+}
+
 /** Opens the files as the document that undo goes back to. */
 export async function openEmbedded(editor: Editor, files: EmbeddedFiles): Promise<void> {
   const { models = [], rest, poses = [], options = {} } = files;

@@ -7,7 +7,7 @@ import { saveSoon, savedDocument } from "./autosave.ts";
 import { commandsFor, frameOf, makeAround, openExample, type Command, type Page } from "./commands.ts";
 import { isCompanion } from "./companions.ts";
 import { isEmpty, nearestVertex } from "./document.ts";
-import { bytesOf, embeddedFiles, openEmbedded } from "./embedded.ts";
+import { bytesOf, embeddedFiles, nameOfWork, openEmbedded } from "./embedded.ts";
 import { Editor } from "./editor.ts";
 import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
@@ -452,6 +452,8 @@ find('[data-form="extrude"] [name="distance"]').addEventListener("input", ({ tar
   (target as HTMLInputElement).dataset.isChosen = "yes";
 });
 
+const kWork = nameOfWork();
+
 const message = find("#message");
 /** The document that the message is about. */
 let messageDocument = editor.document;
@@ -459,7 +461,7 @@ editor.onShown = () => gizmo.place();
 editor.onChange = () => {
   refresh();
   if (editor.document !== messageDocument) message.hidden = true;
-  saveSoon(editor.document);
+  saveSoon(editor.document, kWork);
 };
 
 let messageTimer: ReturnType<typeof setTimeout> | undefined;
@@ -541,10 +543,10 @@ setTheme(localStorage.getItem(kTheme) ?? (prefersDark.matches ? "dark" : "light"
 async function start(): Promise<void> {
   refresh();
   view.look();
+  const saved = await savedDocument(kWork);
+  if (saved && !isEmpty(saved)) return editor.restart(saved);
   const embedded = embeddedFiles();
-  if (embedded) return editor.attempt(() => openEmbedded(editor, embedded));
-  const saved = await savedDocument();
-  if (saved && !isEmpty(saved)) await editor.restart(saved);
+  if (embedded) await editor.attempt(() => openEmbedded(editor, embedded));
 }
 
 await start();

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { describe, test } from "node:test";
-import { settled } from "./browser.mjs";
+import { pageFile, settled } from "./browser.mjs";
 import {
   assertSameFiles,
   choose,
@@ -193,6 +193,15 @@ describe("a page to send", () => {
           assert.deepEqual([poses.length, time], [1, 1]);
           assert.deepEqual(poses[0].positions, sent.document.poses[0].positions);
           assert.deepEqual(await shownPoints(page), sent.points);
+          // It keeps its work apart: the page without files has none.
+          await page.waitForTimeout(600);
+          await page.goto(`file://${pageFile}`);
+          await page.waitForSelector("html[data-ready]");
+          assert.deepEqual((await documentNow(page)).models, []);
+          await page.goto(`file://${sent.html}`);
+          await page.waitForSelector("html[data-ready]");
+          await settled(page);
+          assert.equal((await documentNow(page)).models.length, 2);
           // A page that was sent can be sent on.
           sent.html = await download(page, "save page", "sent-on.html");
         },
