@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
+#include <espalier/io/companions.h>
 #include <espalier/io/files/base64.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
@@ -18,7 +19,6 @@
 #include <vector>
 
 #include "commands.h"
-#include "companions.h"
 #include "files.h"
 #include "job.h"
 #include "options.h"
@@ -80,31 +80,32 @@ nlohmann::ordered_json fileToJson(const std::string& path, const std::string& by
             {"data", io::encodeBase64(bytes)}};
 }
 
-/// Returns a model with the files that belong to it, and notes the ones that are missing.
-nlohmann::ordered_json modelToJson(const std::string& path, const std::string& bytes) {
-    auto json = fileToJson(path, bytes);
-    const Companions companions = findCompanions(path, bytes);
-    for (const fs::path& file : companions.files)
-        json["companions"].push_back(fileToJson(file.string(), io::readFile(file)));
-    if (!companions.missing.empty()) {
-        std::string names;
-        for (const std::string& name : companions.missing)
-            names += (names.empty() ? "" : ", ") + printable(name);
-        printError(fmt::format("{}: {} of the files that it names {} not in the page: {}",
-                               printable(path), companions.missing.size(),
-                               companions.missing.size() == 1 ? "is" : "are", names)
-                       .c_str());
+/// Adds a model and the files that belong to it, and notes the ones that are missing.
+void addModel(nlohmann::ordered_json& json, const std::string& path, const std::string& bytes) {
+    auto model = fileToJson(path, bytes);
+    const io::Companions companions = io::findCompanions(path, bytes);
+    for (const io::Companion& each : companions.files) {
+        model["companions"].push_back(json["companions"].size());
+        json["companions"].push_back(
+            {{"name", printable(each.name)}, {"data", io::encodeBase64(io::readFile(each.file))}});
     }
-    return json;
+    json["models"].push_back(model);
+    if (companions.missing.empty()) return;
+    std::string names;
+    for (const std::string& name : companions.missing)
+        names += (names.empty() ? "" : ", ") + printable(name);
+    printError(fmt::format("{}: {} of the files that it names {} not in the page: {}",
+                           printable(path), companions.missing.size(),
+                           companions.missing.size() == 1 ? "is" : "are", names)
+                   .c_str());
 }
 
 /// Returns the files as JSON without the character "<", which could end the element.
 std::string filesAsJson(const PageOptions& options) {
     const std::string model = readForPage(options.model, {io::FileContent::Model});
     tellNotes(options.model, *io::readModel(options.model, model), options.common);
-    nlohmann::ordered_json json = {
-        {"version", 1},
-        {"models", nlohmann::ordered_json::array({modelToJson(options.model, model)})}};
+    nlohmann::ordered_json json = {{"version", 1}};
+    addModel(json, options.model, model);
     auto poses = nlohmann::ordered_json::array();
     if (!options.rest.empty()) {
         const std::string bytes = readForPage(options.rest, {io::FileContent::Lattice});

@@ -39,6 +39,10 @@ class Page(CliTest):
         self.assertTrue(text.startswith(before) and text.endswith("</script>" + after))
         return json.loads(text[len(before):len(text) - len(after) - len("</script>")])
 
+    def companions(self, model):
+        page = self.page(model)
+        return [page["companions"][i] for i in page["models"][0]["companions"]]
+
     def assert_holds(self, entry, name):
         self.assertEqual(entry["name"], name)
         self.assertEqual(base64.b64decode(entry["data"], validate=True), self.bytes(name))
@@ -65,7 +69,7 @@ class Page(CliTest):
             self.put(name, name)
         os.symlink("../secret.txt", self.path / "art/link.png")
         self.put("art/model.obj", "mtllib paint.mtl\n" + self.text("model.obj"))
-        files = self.page("art/model.obj")["models"][0]["companions"]
+        files = self.companions("art/model.obj")
         self.assertEqual([each["name"] for each in files], ["paint.mtl", "my skin.png"])
         self.assertEqual(base64.b64decode(files[1]["data"]), b"art/my skin.png")
         note = self.run_program("page", "art/model.obj", "--page", "empty.html", "-o", "page.html").stderr
@@ -73,10 +77,10 @@ class Page(CliTest):
                       "C:\\here\\skins\\rough.JPG, ../secret.txt, none.png, ../out.png, link.png", note)
         # Folders of another computer do not count, if the file is beside the model.
         os.rename(self.path / "art/skins/rough.JPG", self.path / "art/rough.JPG")
-        files = self.page("art/model.obj")["models"][0]["companions"]
+        files = self.companions("art/model.obj")
         self.assertEqual([each["name"] for each in files], ["paint.mtl", "my skin.png", "rough.JPG"])
         os.rename(self.path / "art/rough.JPG", self.path / "art/Rough.jpg")
-        self.assertEqual(self.page("art/model.obj")["models"][0]["companions"][2]["name"], "Rough.jpg")
+        self.assertEqual(self.companions("art/model.obj")[2]["name"], "Rough.jpg")
         # glTF has its points in a file beside it.
         points = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
         (self.path / "the points.bin").write_bytes(points)
@@ -89,7 +93,7 @@ class Page(CliTest):
             "images": [{"uri": "data:image/png;base64,AAAA"}, {"uri": "gone.png"}, {"uri": "secret.txt%00.png"}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
             "scenes": [{"nodes": [0]}], "scene": 0}))
-        files = self.page("one.gltf")["models"][0]["companions"]
+        files = self.companions("one.gltf")
         self.assertEqual([(each["name"], base64.b64decode(each["data"])) for each in files],
                          [("the points.bin", points)])
 

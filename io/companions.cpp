@@ -1,41 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/companions.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
-#include <cctype>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
-#include "companions.h"
+#include <espalier/io/files/text_reader.h>
+#include "gltf/gltf_file.h"
 
-namespace espalier::cli {
+namespace espalier::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string lowerCase(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
-/// The kinds of files that a page opens beside a model: a model may name any file of its reader,
-/// and a page is sent to others.
+/// The kinds of files that browsers show, or that hold points and materials.
 constexpr const char* kExtensions[] = {".mtl", ".bin",  ".png", ".jpg", ".jpeg",
                                        ".gif", ".webp", ".bmp", ".avif"};
 
 class Finder {
 public:
-    /// Adds the file of a name. The folders of other computers do not count if the file is beside
-    /// the model.
+    explicit Finder(fs::path folder)
+        : folder_(std::move(folder)),
+          top_(fs::weakly_canonical(folder_.empty() ? "." : folder_, unknown_)) {}
+
+    /// Adds the file of a name.
     /// \param folder of the file that has the name
     /// \return the file; empty if it is not there
     fs::path add(const fs::path& folder, const std::string& name) {
         const fs::path file = fileOf(folder, name);
-        if (file.empty())
-            addOnce(found.missing, name);
-        else
-            addOnce(found.files, file);
+        if (file.empty()) {
+            if (std::ranges::find(found.missing, name) == found.missing.end())
+                found.missing.push_back(name);
+        } else if (std::ranges::find(found.files, file, &Companion::file) == found.files.end()) {
+            found.files.push_back({file.lexically_relative(folder_).generic_string(), file});
+        }
         return file;
     }
 
@@ -52,37 +55,44 @@ public:
     Companions found;
 
 private:
-    /// Returns the file that a name means; empty if there is none in the folder or below it. A
-    /// model of somebody else may name any file, and the page is sent to others.
-    static fs::path fileOf(const fs::path& folder, std::string name) {
+    /// Returns the file that a name means; empty if there is none.
+    fs::path fileOf(const fs::path& folder, std::string name) {
         if (name.find('\0') != std::string::npos) return {};
         std::ranges::replace(name, '\\', '/');
         const fs::path named(name);
         if (std::ranges::find(kExtensions, lowerCase(named.extension().string())) ==
             std::end(kExtensions))
             return {};
-        std::error_code unknown;
-        const fs::path top = fs::weakly_canonical(folder.empty() ? "." : folder, unknown);
-        const auto isInside = [&](const fs::path& file) {
-            const fs::path real = fs::weakly_canonical(file, unknown);
-            return std::ranges::mismatch(top, real).in1 == top.end();
-        };
         for (const fs::path& file : {folder / named.relative_path(), folder / named.filename()})
-            if (fs::is_regular_file(file, unknown) && isInside(file)) return file;
-        // Windows does not tell capital letters from small ones.
-        std::vector<fs::path> alike;
-        for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, unknown))
-            if (lowerCase(entry.path().filename().string()) ==
-                    lowerCase(named.filename().string()) &&
-                entry.is_regular_file(unknown) && isInside(entry.path()))
-                alike.push_back(folder / entry.path().filename());
-        return alike.empty() ? fs::path() : *std::ranges::min_element(alike);
+            if (isHere(file)) return file;
+        const auto alike = filesBeside().find(lowerCase(named.filename().string()));
+        return alike != filesBeside().end() && isHere(alike->second) ? alike->second : fs::path();
     }
 
-    template <class Item>
-    static void addOnce(std::vector<Item>& list, const Item& item) {
-        if (std::ranges::find(list, item) == list.end()) list.push_back(item);
+    /// Returns true for a file in the folder of the model or below it.
+    bool isHere(const fs::path& file) {
+        if (!fs::is_regular_file(file, unknown_)) return false;
+        const fs::path real = fs::weakly_canonical(file, unknown_);
+        return std::ranges::mismatch(top_, real).in1 == top_.end();
     }
+
+    /// Returns the files beside the model, by their names in small letters.
+    const std::map<std::string, fs::path>& filesBeside() {
+        if (filesBeside_) return *filesBeside_;
+        filesBeside_.emplace();
+        for (fs::directory_iterator entry(top_, unknown_), end; !unknown_ && entry != end;
+             entry.increment(unknown_)) {
+            const fs::path name = entry->path().filename();
+            fs::path& file = (*filesBeside_)[lowerCase(name.string())];
+            // Of several names that differ in their letters alone, the first in order.
+            if (file.empty() || folder_ / name < file) file = folder_ / name;
+        }
+        return *filesBeside_;
+    }
+
+    std::error_code unknown_;
+    fs::path folder_, top_;
+    std::optional<std::map<std::string, fs::path>> filesBeside_;
 };
 
 /// Calls visit(keyword, rest) for each line of a text. Spaces and tabs around both are left out.
@@ -117,22 +127,9 @@ void findOfObj(const fs::path& folder, std::string_view bytes, Finder& finder) {
             libraries.push_back(file);
     });
     for (const fs::path& library : libraries)
-        visitLines(io::readFile(library), [&](const std::string& keyword, const std::string& rest) {
+        visitLines(readFile(library), [&](const std::string& keyword, const std::string& rest) {
             if (namesPicture(keyword)) finder.addAfterOptions(library.parent_path(), rest);
         });
-}
-
-/// Replaces %20 and its like.
-std::string decoded(const std::string& uri) {
-    std::string text;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        const bool isCode = uri[i] == '%' && i + 2 < uri.size() &&
-                            std::isxdigit(static_cast<unsigned char>(uri[i + 1])) &&
-                            std::isxdigit(static_cast<unsigned char>(uri[i + 2]));
-        text += isCode ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
-        if (isCode) i += 2;
-    }
-    return text;
 }
 
 void findOfGltf(const fs::path& folder, std::string_view bytes, Finder& finder) {
@@ -144,7 +141,7 @@ void findOfGltf(const fs::path& folder, std::string_view bytes, Finder& finder) 
         for (const auto& entry : *entries) {
             if (!entry.is_object() || !entry.contains("uri") || !entry["uri"].is_string()) continue;
             const std::string uri = entry["uri"];
-            if (uri.find(':') == std::string::npos) finder.add(folder, decoded(uri));
+            if (isRelativeUri(uri)) finder.add(folder, pathOfUri(uri));
         }
     }
 }
@@ -152,12 +149,12 @@ void findOfGltf(const fs::path& folder, std::string_view bytes, Finder& finder) 
 }  // namespace
 
 Companions findCompanions(const fs::path& path, std::string_view bytes) {
-    Finder finder;
     const fs::path folder = path.parent_path();
+    Finder finder(folder);
     const std::string extension = lowerCase(path.extension().string());
     if (extension == ".obj") findOfObj(folder, bytes, finder);
     if (extension == ".gltf") findOfGltf(folder, bytes, finder);
     return std::move(finder.found);
 }
 
-}  // namespace espalier::cli
+}  // namespace espalier::io
