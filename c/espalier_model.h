@@ -70,9 +70,8 @@ typedef struct espalier_appearance {
 /// materials (io::ModelSurface). They are read from the file on the first call.
 ///
 /// \retval ESPALIER_ERROR_FILE the file is malformed
-/// \cost one pass over the file, which also reads the faces; some more for the colours of a .ply
-/// and
-///       of VTK's files
+/// \cost one pass over the file, which also reads the faces; further passes for the colours in a
+///       .ply and in the files of VTK
 ESPALIER_C_API espalier_status espalier_model_appearance(const espalier_model* model,
                                                          espalier_appearance* appearance);
 

@@ -234,11 +234,12 @@ ESPALIER_C_API espalier_status espalier_pose_taper(int32_t vertex_count, const d
                                                    const espalier_pose_options* options,
                                                    double* pose);
 
-/// Lets the other side do what one side does: gives the mirror image of each position the mirrored
-/// place of the position. Images are found in the lattice at rest, within a thousandth of the
-/// diagonal of the box around it. Of a position and its image, the one with the larger weight
-/// leads; of equal weights, the one on the side of the plane where the weights have the larger sum.
-/// A position that is its own image moves into the plane.
+/// Mirrors a pose from one side to the other: moves the mirror image of each position to the
+/// mirrored place of the position. Images are found in the lattice at rest, within a thousandth of
+/// the diagonal of the box around it. A position and its image are a pair, of which the position
+/// with the larger weight stays. If their weights are equal, the position stays that is on the side
+/// of the plane whose weights have the larger sum. A position that is its own image moves into the
+/// plane.
 /// \param rest 3 · vertex_count numbers: the lattice at rest
 /// \param axis 0 to 2: the plane is across this axis
 /// \param plane may be null; the coordinate of the plane on the axis. Default: of the middle of the

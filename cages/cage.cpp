@@ -89,8 +89,8 @@ constexpr double kPerVoxel = 0.5;
 /// Returns the limit of the work, in steps (work.h). Before fits that are lost ended early, of the
 /// cages of docs/cages.md and of other options, 100 vertices took at most 5.7e9 steps of 5.8e9
 /// (twelve shells in one another), 200 vertices 5.8e9 of 7.5e9 (random triangles), and 2,000
-/// vertices 3.1e10 of 4.5e10 (a hollow body). Parts that are kept apart took at most 4.9e9
-/// of 5.4e9; a tangle has no such lattice, and the search for one ends earlier.
+/// vertices 3.1e10 of 4.5e10 (a hollow body). With parts kept apart, the most was 4.9e9 of 5.4e9.
+/// Parts of a tangle cannot be kept apart; the smaller limit ends the search for them earlier.
 double mostWork(std::size_t triangles, const CageOptions& options, Index vertices) {
     return (options.keepApart ? 1.2e9 : 3.3e9) + 2.1e7 * vertices +
            std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);

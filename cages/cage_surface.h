@@ -43,7 +43,8 @@ public:
         std::vector<Index> cells = {};  ///< the cell of the lattice that each face bounds
 
         /// True: the limit of the face is a bicubic patch. hull() then has the 4 × 4 control points
-        /// of the patch, row after row, with the corners of the face in the middle.
+        /// of the patch, one row after the other. The four in the middle are the corners of the
+        /// face.
         std::vector<char> isPatch = {};
 
         Faces(const far::Level& level, std::vector<Index> cells);

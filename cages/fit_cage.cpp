@@ -342,7 +342,7 @@ double Fit::polish() {
     return best;
 }
 
-/// Returns true if so many points stick out that the attempt will not be proved.
+/// Returns true if too many points are outside the cage for a proof to succeed later.
 bool Fit::isLost() {
     const Index count = forces_.countOutside(kFarOut * edge_);
     if (count <= kMaxFarOut * static_cast<double>(boundaryFaceCount_)) return false;

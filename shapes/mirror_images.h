@@ -19,9 +19,9 @@ inline constexpr Index kNoImage = -1, kSeveralImages = -2;
 ///
 /// \param axis 0 to 2: the plane is across this axis
 /// \param plane coordinate of the plane on the axis
-/// \param tolerance largest distance of a position from the image of another one, 0 or more. Of
-///        several positions so near, the nearest counts; if they are as near to each other, there
-///        are several images
+/// \param tolerance largest distance of a position from the image of another one, 0 or more. If
+///        several positions are within the tolerance of an image, the nearest counts. If these
+///        positions are within the tolerance of each other, there are several images
 /// \throws ArgumentError for an axis, a plane or a tolerance out of range; Error naming the first
 ///         position that is not finite
 /// \cost O(n log n)

@@ -98,14 +98,15 @@ struct Mirrored {
     Index withoutImage = 0;  ///< number of the other ones with a weight above 0
 };
 
-/// Lets the other side do what one side does: gives the mirror image of each position the mirrored
-/// place of the position. Images are found in the lattice at rest.
+/// Mirrors a pose from one side to the other: moves the mirror image of each position to the
+/// mirrored place of the position. Images are found in the lattice at rest.
 ///
-/// Of a position and its image, the one with the larger weight leads. If their weights are equal,
-/// the one leads that is on the side whose weights have the larger sum; or, for equal sums, on the
-/// side of larger coordinates. A position that is its own image moves into the plane. Positions
-/// stay if they have no image, and if neither they nor their images have a weight above 0. The
-/// weights choose, and do not divide the effect.
+/// A position and its image are a pair, of which the position with the larger weight stays and the
+/// other position moves. If the weights of a pair are equal, the position stays that is on the side
+/// of the plane whose weights have the larger sum. If these sums are equal, too, the position with
+/// the larger coordinate stays. A position that is its own image moves into the plane. A position
+/// without an image stays, and so does a pair with the weights 0. The size of a weight does not
+/// divide the effect.
 ///
 /// \param rest positions of the lattice at rest. A position may be up to a thousandth of the
 ///        diagonal of the box around them from its mirror image: editors round coordinates, and

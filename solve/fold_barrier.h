@@ -27,8 +27,8 @@ namespace espalier::solve {
 /// - all corners of the cells of level 3 at base vertices. Around these, cells change their shape
 ///   from level to level, and coarser levels do not show all folds.
 ///
-/// At a vertex where n > 3 edges of a cell meet, the tetrahedra are those between two neighbouring
-/// edges and the diagonal to the opposite vertex. Tetrahedra that are nearly flat at rest are left
+/// At a vertex where n > 3 edges of a cell meet, two neighbouring edges and the diagonal to the
+/// opposite vertex span a tetrahedron. Tetrahedra that are nearly flat at rest are left
 /// out, and so are tetrahedra that only vertices move that stay.
 ///
 /// Immutable. Results do not depend on the number of threads.

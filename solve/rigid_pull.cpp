@@ -373,8 +373,8 @@ Columns RigidPull::Data::allRows(const Columns& free) const {
     return all;
 }
 
-/// Returns the first sum of E. Adds its derivatives to `gradient`, if given: those of rotations
-/// that are the best are 0.
+/// Returns the first sum of E. Adds its derivatives by the vertices to `gradient`, if given. The
+/// rotations are the best ones, so that derivatives by the rotations are 0.
 double RigidPull::Data::elastic(const Columns& moved, const std::vector<Eigen::Matrix3d>& rotations,
                                 Columns* gradient) const {
     double energy = 0;

@@ -96,8 +96,7 @@ public:
     ///         finite, a point whose row is empty (it is outside), a pulled point that only
     ///         vertices move that stay
     /// \cost a sparse Cholesky factor of the vertices, and a solution with it for each point; for
-    /// the
-    ///       barrier refinement to level 2, and of an eighth of the cells to level 3
+    ///       the barrier, refinement to level 2, and of an eighth of the cells to level 3
     RigidPull(const far::CellComplex& base, std::span<const Point3> rest,
               const stencils::StencilTable<double>& deformation,
               const RigidPullOptions& options = {});
