@@ -29,7 +29,13 @@ async function withStore<T>(
 ) {
   const opened = await database();
   try {
-    return await promiseOf(use(opened.transaction(kStore, mode).objectStore(kStore)));
+    const transaction = opened.transaction(kStore, mode);
+    const ended = new Promise<void>((resolve, reject) => {
+      transaction.oncomplete = () => resolve();
+      transaction.onabort = () => reject(transaction.error);
+    });
+    const [result] = await Promise.all([promiseOf(use(transaction.objectStore(kStore))), ended]);
+    return result;
   } finally {
     opened.close();
   }
@@ -53,16 +59,19 @@ export async function savedDocument(key: string): Promise<Document | null> {
 
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-/** Saves the document soon; later calls replace earlier ones. */
-export function saveSoon(document: Document, key: string): void {
+/** Saves the document soon; later calls replace earlier ones.
+ * @param onFull called if the document is too large for the browser
+ */
+export function saveSoon(document: Document, key: string, onFull: () => void): void {
   clearTimeout(timer);
-  timer = setTimeout(() => void save(document, key), 400);
+  timer = setTimeout(() => void save(document, key, onFull), 400);
 }
 
-async function save(document: Document, key: string): Promise<void> {
+async function save(document: Document, key: string, onFull: () => void): Promise<void> {
   try {
     await withStore("readwrite", (store) => store.put(document, key));
-  } catch {
-    // The browser keeps nothing: there is no place to save to.
+  } catch (error) {
+    // Otherwise the browser keeps nothing, in a private window say: there is no place to save to.
+    if (error instanceof DOMException && error.name === "QuotaExceededError") onFull();
   }
 }

@@ -10,7 +10,7 @@ import { pageWith } from "./embedded.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
-import { commandsOf, deformedName, fileName, matrixName, modelWords } from "./program.ts";
+import { commandsOf, deformedNames, matrixNames, modelWords, poseFile } from "./program.ts";
 import type { BoundaryFace, ModelFile, Product } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import type { Timeline } from "./timeline.ts";
@@ -141,8 +141,7 @@ export function commandsFor(page: Page): Record<string, Command> {
       const rest = editor.document.lattice!.positions;
       const point = middleOf(rest, selection());
       await editor.select(await editor.engine.run("part", kind, point, rest));
-      editor.pivot = "border";
-      page.refresh();
+      await editor.setPivot("border");
     },
   });
 
@@ -306,8 +305,7 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Turn, scale and bend about the middle of this selection from now on",
       needs: "selection",
       run() {
-        editor.pivot = middleOf(editor.positions, selection());
-        page.refresh();
+        return editor.setPivot(middleOf(editor.positions, selection()));
       },
     },
     pull: {
@@ -460,7 +458,7 @@ export function commandsFor(page: Page): Record<string, Command> {
           const extension = takenExtension(file);
           const pose = editor.positions;
           const content = await editor.write({ kind: "model", model, pose, extension });
-          page.save(deformedName(file), content);
+          page.save(deformedNames(editor.document)[model], content);
         }
       },
     },
@@ -468,7 +466,7 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the pose home",
       needs: "lattice",
       run: take(
-        () => fileName(editor.pose),
+        () => poseFile(editor.document, editor.pose),
         () => ({ kind: "lattice", positions: editor.positions, extension: ".vtu" }),
       ),
     },
@@ -476,7 +474,7 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the pose home, as .obj",
       needs: "lattice",
       run: take(
-        () => fileName(editor.pose).replace(".vtu", ".obj"),
+        () => poseFile(editor.document, editor.pose).replace(".vtu", ".obj"),
         () => ({ kind: "lattice", positions: editor.positions, extension: ".obj" }),
       ),
     },
@@ -501,9 +499,8 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the matrix of the deformation home",
       needs: "binding",
       async run() {
-        const { document } = editor;
-        for (const [model, file] of document.models.entries())
-          page.save(matrixName(document, file), await editor.write({ kind: "matrix", model }));
+        for (const [model, name] of matrixNames(editor.document).entries())
+          page.save(name, await editor.write({ kind: "matrix", model }));
       },
     },
     "save page": {

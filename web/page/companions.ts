@@ -18,15 +18,30 @@ export const isGltf = (name: string) => [".glb", ".gltf"].includes(extensionOf(n
 export const baseName = (path: string) =>
   path.slice(Math.max(path.lastIndexOf("/"), path.lastIndexOf("\\")) + 1);
 
-/** The companion that a model names by a path. Its folders and its case do not count. */
+const simple = (path: string) => path.replaceAll("\\", "/").toLowerCase();
+
+/** The companion that a model names by a path: the one whose path is its end, or whose name is. Capital letters do not
+ * count. */
 export function companionOf({ companions = [] }: ModelFile, path: string): NamedFile | undefined {
-  const wanted = baseName(path).toLowerCase();
-  const named = companions.filter(({ name }) => {
-    const own = name.toLowerCase();
-    // An .mtl may have options before the name of a picture.
-    return wanted === own || wanted.endsWith(` ${own}`);
-  });
+  const wanted = simple(path);
+  // An .mtl may have options before the name of a picture.
+  const isEnd = (own: string) =>
+    wanted === own || wanted.endsWith(`/${own}`) || wanted.endsWith(` ${own}`);
+  const byPath = companions.filter(({ name }) => isEnd(simple(name)));
+  const named = byPath.length > 0 ? byPath : companions.filter(({ name }) => isEnd(baseName(simple(name))));
   return named.sort((a, b) => b.name.length - a.name.length)[0];
+}
+
+const isBuffer = ({ name }: NamedFile) => extensionOf(name) === ".bin";
+
+/** Whether a model has the points of another: the same file, with the same buffers. */
+export function hasPointsOf(model: ModelFile, other: ModelFile): boolean {
+  const [own, its] = [model, other].map((each) => (each.companions ?? []).filter(isBuffer));
+  return (
+    model.bytes === other.bytes &&
+    own.length === its.length &&
+    own.every(({ bytes }) => its.some((each) => each.bytes === bytes))
+  );
 }
 
 /** A model with more companions. A file replaces a file of the same name. */
@@ -37,7 +52,7 @@ export function withCompanions(model: ModelFile, added: readonly NamedFile[]): M
 }
 
 /** The JSON of a .gltf. A broken one has nothing: the library says what is wrong. */
-function jsonOf({ bytes }: NamedFile): { buffers?: { uri?: string }[] } {
+function jsonOf({ bytes }: NamedFile): { buffers?: ({ uri?: string } | null)[] } | null {
   try {
     return JSON.parse(new TextDecoder().decode(bytes));
   } catch {
@@ -52,7 +67,8 @@ export function buffersBeside(model: ModelFile): Record<string, Uint8Array> {
   const found: Record<string, Uint8Array> = {};
   if (extensionOf(model.name) !== ".gltf") return found;
   const missing: string[] = [];
-  for (const { uri } of [jsonOf(model)?.buffers ?? []].flat().filter((buffer) => buffer !== null)) {
+  for (const buffer of [jsonOf(model)?.buffers ?? []].flat()) {
+    const uri = buffer?.uri;
     if (typeof uri !== "string" || /^[a-z][a-z\d+.-]*:/i.test(uri)) continue;
     const path = decoded(uri);
     const file = companionOf(model, path);
@@ -74,7 +90,7 @@ export function decoded(uri: string): string {
 
 /** The extension of the deformed model. A .gltf with its points in another file becomes one file. */
 export function takenExtension(model: ModelFile): string {
-  const hasBuffers = (model.companions ?? []).some(({ name }) => extensionOf(name) === ".bin");
+  const hasBuffers = (model.companions ?? []).some(isBuffer);
   const { name } = model;
   return extensionOf(name) === ".gltf" && hasBuffers ? ".glb" : name.slice(name.lastIndexOf("."));
 }

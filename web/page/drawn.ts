@@ -77,7 +77,7 @@ export function drawnModel(
   };
 
   function textureNumber(vertex: number, component: number): number {
-    const x = textures![2 * pairOf.values[vertex] + component] ?? 0; // A point in no face has none.
+    const x = textures![2 * pairOf.values[vertex] + component] ?? 0; // A point in no face has no pair.
     return component === 1 && isDownward ? 1 - x : x;
   }
 }

@@ -4,7 +4,7 @@
 // differs from what they have.
 
 import { lookOf, type Look } from "./appearance.ts";
-import { extensionOf, withCompanions } from "./companions.ts";
+import { hasPointsOf, extensionOf, withCompanions } from "./companions.ts";
 import { Cancelled, Engine } from "./engine.ts";
 import {
   History,
@@ -33,8 +33,8 @@ import type {
   Transform,
 } from "./protocol.ts";
 import { comment } from "./program.ts";
-import { neighboursOf, sorted } from "./selection.ts";
-import { borderOf, middleOf, optionsOf, softWeights, type Weights } from "./transforms.ts";
+import { sorted } from "./selection.ts";
+import { middleOf, optionsOf, softWeights, type Weights } from "./transforms.ts";
 import type { Point } from "../library/espalier.ts";
 import type { Shown, View } from "./view.ts";
 
@@ -78,13 +78,17 @@ export class Editor {
   radius = 0;
   /** What rotations, scales and bends are about: the middle of the selection, its border, or a point. */
   pivot: "middle" | "border" | Point = "middle";
-  /** The axis across which the other side does what one side does; null if it does not. */
+  /** The joint of the selection, if it is the pivot; null if the selection has none, and its middle counts. */
+  border: Point | null = null;
+  /** The axis of live mirroring: the other side follows each edit. Null: it does not follow. */
   mirrorAxis: Axis | null = null;
 
   private history = new History(kEmptyDocument);
   private open: Open = kNothing;
   private running: Promise<void> | null = null;
   private isStale = false;
+  /** the document that the view showed last */
+  private shown: Document | null = null;
   /** positions while something is dragged or played, which are not in the document */
   private transient: Float64Array | null = null;
   /** the vertices that the last operations left in place, since they have no mirror image */
@@ -178,17 +182,36 @@ export class Editor {
       const { document } = this;
       try {
         await this.bring(document);
+        this.shown = document;
         this.onShown();
       } catch (error) {
-        // The document cannot be shown, or a person did not want to wait for it.
-        if (this.document === document && this.history.canUndo) {
+        const isNew = this.document === document && this.shown !== document && !this.transient;
+        if (isNew && this.history.canUndo) {
+          // The document cannot be shown, or a person did not want to wait for it.
           this.history.drop();
           this.isStale = true;
           this.onChange();
         }
         if (!(error instanceof Cancelled)) this.fail(error);
+        else this.isStale = true; // The new worker has nothing open.
       }
     }
+  }
+
+  /** Does work with the worker and the view while no update runs; then come the updates that were asked for. */
+  private async alone<T>(work: () => Promise<T>): Promise<T> {
+    while (this.running) await this.running;
+    const done = work();
+    this.running = done
+      .then(
+        () => {},
+        () => {}, // The caller gets the error.
+      )
+      .then(() => this.runUpdates())
+      .finally(() => {
+        this.running = null;
+      });
+    return done;
   }
 
   private async bring(document: Document): Promise<void> {
@@ -197,28 +220,27 @@ export class Editor {
     await this.bringBinding(document);
     await this.bringCells();
     await this.bringPose(document);
+    if (!this.transient) await this.bringBorder(document);
   }
 
   private async bringModels({ models }: Document): Promise<void> {
-    const open = this.open.models;
-    if (open === models) return;
-    const isSame =
-      open.length === models.length && models.every(({ bytes }, i) => bytes === open[i].bytes);
-    if (isSame) {
-      await this.showLooks(models);
-      return this.onChange();
-    }
+    if (this.open.models === models) return;
     await this.showModels(models);
-    if (models.length > 0 && !this.document.lattice) this.view.look();
     this.onChange();
   }
 
-  /** Opens models in the worker, and shows them as they are at rest. Returns notes on what is not shown. */
+  /** Opens models in the worker, unless it has their points, and shows them as they are at rest. Returns notes on what
+   * is not shown. */
   private async showModels(models: readonly ModelFile[]): Promise<string[]> {
-    this.models = await this.engine.run("openModels", models);
-    this.open = { ...this.open, models, settings: null, positions: null };
-    this.binding = null;
-    this.view.setModels(this.models);
+    const { models: open } = this.open;
+    const isSame = open.length === models.length && models.every((each, i) => hasPointsOf(each, open[i]));
+    if (!isSame) {
+      this.models = await this.engine.run("openModels", models);
+      this.open = { ...this.open, models, settings: null, positions: null };
+      this.binding = null;
+      this.view.setModels(this.models);
+      if (models.length > 0 && !this.document.lattice) this.view.look();
+    }
     return this.showLooks(models);
   }
 
@@ -272,7 +294,15 @@ export class Editor {
     const { cells, cut } = this.view.shown;
     const isWanted = this.shape !== null && (cells || cut !== "" || this.folded.length > 0);
     if (!isWanted || this.open.cells) return;
-    this.view.setSurface(await this.engine.run("cellSurface"));
+    try {
+      this.view.setSurface(await this.engine.run("cellSurface"));
+    } catch (error) {
+      // Otherwise each update would try again.
+      this.folded = [];
+      this.view.setShown({ ...this.view.shown, cells: false, cut: "" });
+      this.onChange();
+      throw error;
+    }
     this.open = { ...this.open, cells: true, positions: null };
   }
 
@@ -332,8 +362,8 @@ export class Editor {
     this.onMessage(error instanceof Error ? error.message : String(error), true);
   }
 
-  /** Opens models, lattices and poses of the lattice: each file as what it is. Of files that may be each of these, the
-   * first is the model, unless there is another. */
+  /** Opens models, lattices and poses of the lattice. A .vtu or .vtk can be each of these: it is a lattice or a pose if
+   * there is a model already. */
   async openFiles(files: readonly ModelFile[]): Promise<void> {
     const mayBeLattice = ({ name }: NamedFile) => [".ovm", ".vtu", ".vtk"].includes(extensionOf(name));
     const models = files.filter((file) => !mayBeLattice(file));
@@ -350,14 +380,23 @@ export class Editor {
   async openModels(files: readonly ModelFile[], beside = false): Promise<void> {
     if (files.length === 0) return;
     const models = beside ? [...this.document.models, ...files] : files;
-    // The worker reads them here already, so a file that cannot be read changes nothing.
-    const notes = await this.showModels(models);
+    const notes = await this.changeModels(models);
     this.view.look();
-    await this.change({ models });
     const hint = this.document.lattice
       ? ""
       : "Now put a lattice around it: Cage for a body with limbs, Box around for simple shapes.";
     this.tell([...this.models.map((model) => model.notes), ...notes], hint);
+  }
+
+  /** Returns notes on what is not shown. Models that cannot be read change nothing. */
+  private async changeModels(models: readonly ModelFile[]): Promise<string[]> {
+    const notes = await this.alone(async () => {
+      const result = await this.showModels(models);
+      this.history.push({ ...this.document, models });
+      return result;
+    });
+    await this.changed();
+    return notes;
   }
 
   /** Where a point is at rest. Points of several models are numbered one model after the other. */
@@ -380,9 +419,7 @@ export class Editor {
         `${files.map(({ name }) => name).join(", ")}: drop it together with its model`,
       );
     const models = this.document.models.map((model) => withCompanions(model, files));
-    const notes = await this.showLooks(models);
-    await this.change({ models });
-    this.tell(notes);
+    this.tell(await this.changeModels(models));
   }
 
   /** @param hint what to say if there are no notes */
@@ -403,11 +440,10 @@ export class Editor {
     await this.openLattice(file);
   }
 
-  async openLattice(file: NamedFile): Promise<void> {
+  /** @param command of the program that makes it */
+  async openLattice(file: NamedFile, command = restComment(file.name)): Promise<void> {
     const lattice = await this.engine.run("readLattice", file);
-    await this.edit(
-      withLattice(this.document, { ...lattice, command: restComment(file.name) }),
-    );
+    await this.edit(withLattice(this.document, { ...lattice, command }));
   }
 
   async addPose(name: string, positions: Float64Array): Promise<void> {
@@ -422,7 +458,10 @@ export class Editor {
 
   /** Changes the cells or the marks of the lattice. */
   async editLattice(edit: LatticeEdit): Promise<void> {
+    const { lattice: before } = this.document;
     const lattice = await this.engine.run("editLattice", edit);
+    if (this.document.lattice !== before)
+      throw new Error("the lattice has changed meanwhile: do this once more");
     const from = edit.kind === "move" ? withMovedLattice : withChangedLattice;
     await this.edit(from(this.document, { ...lattice, command: null }));
   }
@@ -452,10 +491,23 @@ export class Editor {
 
   /** The point that the pivot stands for. */
   get pivotPoint(): Point {
-    const { document, pivot, positions, shape } = this;
-    if (pivot === "middle") return middleOf(positions, document.selection);
-    if (pivot === "border") return borderOf(positions, document.selection, neighboursOf(shape!));
-    return pivot;
+    const { document, pivot, positions } = this;
+    if (typeof pivot !== "string") return pivot;
+    return (pivot === "border" && this.border) || middleOf(positions, document.selection);
+  }
+
+  setPivot(pivot: "middle" | "border" | Point): Promise<void> {
+    this.pivot = pivot;
+    this.onChange();
+    return this.update();
+  }
+
+  private async bringBorder({ lattice, selection }: Document): Promise<void> {
+    const isWanted = this.pivot === "border" && lattice !== null && selection.length > 0;
+    const border = isWanted ? await this.engine.run("border", selection, this.positions) : null;
+    const differs = border?.join() !== this.border?.join();
+    this.border = border;
+    if (differs) this.onChange();
   }
 
   /** Operations, and the one that lets the other side do the same, if it shall. */
@@ -479,6 +531,7 @@ export class Editor {
   async transform(...given: Transform[]): Promise<void> {
     const weights = this.weights();
     if (weights.selection.length === 0) throw new Error("select vertices first");
+    if (this.pivot === "border") await this.update(); // finds the border
     const { positions } = this;
     const center = this.pivot === "middle" ? undefined : this.pivotPoint;
     const transforms = this.withMirror(

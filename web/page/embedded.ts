@@ -13,9 +13,12 @@ interface EmbeddedFile {
 /** The content of the element #espalier-files. */
 export interface EmbeddedFiles {
   version: 1;
-  models?: (EmbeddedFile & { companions?: EmbeddedFile[] })[];
-  rest?: EmbeddedFile;
-  poses?: EmbeddedFile[];
+  /** files that belong to models */
+  companions?: EmbeddedFile[];
+  /** with the numbers of their companions */
+  models?: (EmbeddedFile & { companions?: number[] })[];
+  rest?: EmbeddedFile & { command?: string | null };
+  poses?: (EmbeddedFile & { steps?: readonly string[] | null })[];
   options?: Partial<BindSettings> & { rules?: Rules };
 }
 
@@ -28,7 +31,7 @@ export const bytesOf = (base64: string): Uint8Array<ArrayBuffer> =>
   Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
 function base64Of(bytes: Uint8Array): string {
-  // String.fromCharCode() takes so many arguments in each browser.
+  // Browsers limit the number of arguments.
   const kMost = 0x8000;
   let text = "";
   for (let i = 0; i < bytes.length; i += kMost)
@@ -64,18 +67,22 @@ export async function openEmbedded(editor: Editor, files: EmbeddedFiles): Promis
     settings: { ...document.settings, ...settings },
     rules: rules ?? document.rules,
   });
+  const companions = (files.companions ?? []).map(decoded);
   await editor.openModels(
-    models.map(({ companions, ...file }): ModelFile => ({
+    models.map(({ companions: own, ...file }): ModelFile => ({
       ...decoded(file),
-      ...(companions && { companions: companions.map(decoded) }),
+      ...(own && { companions: own.map((i) => companions[i]) }),
     })),
   );
-  if (rest) await editor.openLattice(decoded(rest));
+  if (rest) await editor.openLattice(decoded(rest), rest.command ?? undefined);
   for (const pose of poses) await editor.openLatticeOrPose(decoded(pose));
   if (poses.length > 0) {
     // The pose that a new lattice begins with is not one of them.
     const own = editor.document.poses.slice(1);
-    await editor.change({ poses: own, time: own.length });
+    await editor.change({
+      poses: own.map((pose, i) => ({ ...pose, steps: poses[i].steps ?? null })),
+      time: own.length,
+    });
   }
   await editor.restart(editor.document);
 }
@@ -84,16 +91,21 @@ export async function openEmbedded(editor: Editor, files: EmbeddedFiles): Promis
 export async function pageWith(editor: Editor): Promise<Blob> {
   const { models, lattice, poses, settings, rules } = editor.document;
   const files: EmbeddedFiles = { version: 1, options: { ...settings, rules } };
+  const all = [...new Set(models.flatMap(({ companions = [] }) => companions))];
+  files.companions = all.map(encoded);
   files.models = models.map(({ companions, ...file }) => ({
     ...encoded(file),
-    ...(companions && { companions: companions.map(encoded) }),
+    ...(companions && { companions: companions.map((each) => all.indexOf(each)) }),
   }));
   if (lattice) {
-    files.rest = encoded({ name: "rest.vtu", bytes: lattice.bytes });
+    files.rest = {
+      ...encoded({ name: "rest.vtu", bytes: lattice.bytes }),
+      command: lattice.command,
+    };
     files.poses = [];
-    for (const { name, positions } of poses) {
+    for (const { name, positions, steps } of poses) {
       const bytes = await editor.write({ kind: "lattice", positions, extension: ".vtu" });
-      files.poses.push(encoded({ name: `${name}.vtu`, bytes }));
+      files.poses.push({ ...encoded({ name: `${name}.vtu`, bytes }), steps });
     }
   }
   const start = kPage.indexOf(kElement) + kElement.length;

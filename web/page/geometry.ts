@@ -13,7 +13,7 @@ export function attribute(
 }
 
 /** Replaces an attribute, or its numbers if there are as many.
- * @param copies the vertices that come once more after the others
+ * @param copies vertices that are stored a second time, after all others
  */
 export function setPositions(
   geometry: THREE.BufferGeometry,

@@ -80,15 +80,14 @@ export class Gizmo {
 
   /** Lets the handles move in steps: lengths of a power of ten near a fiftieth of the lattice, 15 degrees, and
    * tenths. */
-  set isSnapping(isSnapping: boolean) {
-    const step = 10 ** Math.round(Math.log10(this.editor.view.size / 50));
-    this.controls.setTranslationSnap(isSnapping ? step : null);
-    this.controls.setRotationSnap(isSnapping ? THREE.MathUtils.degToRad(15) : null);
-    this.controls.setScaleSnap(isSnapping ? 0.1 : null);
-  }
+  isSnapping = false;
 
-  get isSnapping(): boolean {
-    return this.controls.rotationSnap !== null;
+  private placeSteps(): void {
+    const { isSnapping, controls } = this;
+    const length = 10 ** Math.round(Math.log10(this.editor.view.size / 50));
+    controls.setTranslationSnap(isSnapping ? length : null);
+    controls.setRotationSnap(isSnapping ? THREE.MathUtils.degToRad(15) : null);
+    controls.setScaleSnap(isSnapping ? 0.1 : null);
   }
 
   /** Whether a drag on a handle moves the selection. */
@@ -127,6 +126,7 @@ export class Gizmo {
     this.controls.camera = view.camera;
     for (const axis of kAxes)
       this.controls[`show${axis.toUpperCase() as "X" | "Y" | "Z"}`] = [null, axis].includes(this.axis);
+    this.placeSteps();
     this.controls.attach(this.handle);
     view.ask();
   }

@@ -300,8 +300,7 @@ radius.addEventListener("input", () => {
 });
 
 find<HTMLSelectElement>('[data-choice="pivot"]').addEventListener("change", ({ target }) => {
-  editor.pivot = (target as HTMLSelectElement).value as "middle" | "border";
-  refresh();
+  void editor.setPivot((target as HTMLSelectElement).value as "middle" | "border");
 });
 
 find<HTMLSelectElement>('[data-choice="mirror"]').addEventListener("change", ({ target }) => {
@@ -344,6 +343,7 @@ function refresh(): void {
   document.title = work.models.length > 0 ? `${names} – Espalier` : "Espalier";
   put("model", work.models.length > 0 && points > 0 ? `${shortened(names)}, ${plural(points, "point")}` : "");
   showModels();
+  showShown();
   put(
     "lattice",
     shape
@@ -394,6 +394,8 @@ function refresh(): void {
   }
   const { pivot } = editor;
   const pivots = find<HTMLSelectElement>('[data-choice="pivot"]');
+  const hasBorder = pivot !== "border" || editor.border !== null || work.selection.length === 0;
+  pivots.options[1].textContent = hasBorder ? "border" : "border (none here: middle)";
   pivots.options[2].hidden = typeof pivot === "string";
   pivots.value = typeof pivot === "string" ? pivot : "point";
   put("radius", editor.radius > 0 ? shownNumber(editor.radius) : "");
@@ -422,6 +424,14 @@ function showModels(): void {
       return item;
     }),
   );
+}
+
+function showShown(): void {
+  for (const control of findAll<HTMLInputElement | HTMLSelectElement>("[data-shown]")) {
+    const value = view.shown[control.dataset.shown as keyof Shown];
+    if (control instanceof HTMLInputElement && control.type === "checkbox") control.checked = Boolean(value);
+    else control.value = String(value);
+  }
 }
 
 function refreshPlace(): void {
@@ -461,7 +471,9 @@ editor.onShown = () => gizmo.place();
 editor.onChange = () => {
   refresh();
   if (editor.document !== messageDocument) message.hidden = true;
-  saveSoon(editor.document, kWork);
+  saveSoon(editor.document, kWork, () =>
+    editor.onMessage("The browser has no room to keep this work: take it home before you close the page.", true),
+  );
 };
 
 let messageTimer: ReturnType<typeof setTimeout> | undefined;

@@ -127,13 +127,15 @@ export class ModelView {
     if (this.splats?.object.visible) this.splats.prepare(camera, size);
   }
 
-  /** The point that is nearest to the place where a ray meets the model, and the distance of the place. */
+  /** The point that is nearest to the place where a ray meets the model, and the distance of the place. Points of a cloud
+   * are met within the threshold of the ray. */
   pointAt(ray: THREE.Raycaster): { point: number; distance: number } | null {
-    if (!this.hasFaces) return null;
     const hits: THREE.Intersection[] = [];
-    this.mesh.raycast(ray, hits);
+    if (this.hasFaces) this.mesh.raycast(ray, hits);
+    else this.cloud.raycast(ray, hits);
     const [found] = hits.sort((a, b) => a.distance - b.distance);
-    if (!found?.face) return null;
+    if (!found) return null;
+    if (!found.face) return { point: found.index!, distance: found.distance };
     const { pointCount } = this;
     const { array } = this.mesh.geometry.getAttribute("position");
     const [a, b, c] = [found.face.a, found.face.b, found.face.c].map((v) =>

@@ -4,17 +4,36 @@
 import { takenExtension } from "./companions.ts";
 import { kEmptyDocument, type Document, type Pose } from "./document.ts";
 import { nameOf } from "./editor.ts";
-import type { ModelFile } from "./protocol.ts";
 
-export const fileName = (pose: Pose) =>
-  `${pose.name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-")}.vtu`;
+const kRestAsPose = "rest-as-pose.vtu";
 
-export const deformedName = (model: ModelFile) =>
-  `${nameOf(model)}-deformed${takenExtension(model)}`;
+/** Makes each name of a file differ from the names before it, and from some others: by a number before its extension. */
+function distinct(names: readonly string[], others: readonly string[] = []): string[] {
+  const taken = new Set(others);
+  return names.map((name) => {
+    const dot = name.lastIndexOf(".");
+    let result = name;
+    for (let i = 2; taken.has(result); ++i) result = `${name.slice(0, dot)}-${i}${name.slice(dot)}`;
+    taken.add(result);
+    return result;
+  });
+}
 
-/** The name of the matrix of a model: of one of several, with the name of the model. */
-export const matrixName = ({ models }: Document, model: ModelFile) =>
-  models.length > 1 ? `D-${nameOf(model)}.npz` : "D.npz";
+/** The name of the file of a pose. The stand-in for the lattice at rest is "rest.vtu". */
+export function poseFile({ poses }: Document, pose: Pose): string {
+  const words = (name: string) => name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-");
+  const names = poses.map(({ name }) => `${words(name)}.vtu`);
+  const index = poses.indexOf(pose);
+  return index < 0 ? `${pose.name}.vtu` : distinct(names, ["rest.vtu", kRestAsPose])[index];
+}
+
+/** The names of the deformed models. */
+export const deformedNames = ({ models }: Document) =>
+  distinct(models.map((model) => `${nameOf(model)}-deformed${takenExtension(model)}`));
+
+/** The names of the matrices of the models. */
+export const matrixNames = ({ models }: Document) =>
+  models.length === 1 ? ["D.npz"] : distinct(models.map((model) => `D-${nameOf(model)}.npz`));
 
 /** A word as a shell needs it. */
 export const word = (text: string) =>
@@ -45,22 +64,26 @@ export function commandsOf(document: Document, pose: Pose, hasDirections: boolea
   const { lattice, models } = document;
   if (!lattice) return "# Make a lattice first.";
   const lines: string[] = [lattice.command ?? "# rest.vtu: Take home, Rest .vtu"];
-  if (pose.name === "rest") lines.push("cp rest.vtu rest-as-pose.vtu");
+  const isRest = document.time === 0;
+  const to = isRest ? kRestAsPose : fileWord(poseFile(document, pose));
+  if (isRest) lines.push(`cp rest.vtu ${to}`);
   else if (pose.steps) {
     const steps = pose.steps.length > 0 ? pose.steps : ["--move 0 0 0"];
     lines.push(
-      ["espalier pose rest.vtu", ...steps, `-o ${fileWord(fileName(pose))}`].join(" \\\n    "),
+      ["espalier pose rest.vtu", ...steps, `-o ${to}`].join(" \\\n    "),
     );
-  } else lines.push(comment(`${fileName(pose)}: Take home, Pose .vtu`));
+  } else lines.push(comment(`${poseFile(document, pose)}: Take home, Pose .vtu`));
   for (const [i, model] of models.entries()) {
     const turns = hasDirections[i] && document.settings.normals !== "keep";
     const keep = hasDirections[i] && !turns ? " --keep-normals" : "";
     const options = `--rest rest.vtu ${bindingOptions(document)}${keep}`;
     // With gradients, points are placed more exactly: D is then the matrix of the deformed file.
     const gradients = document.settings.limit && turns ? " --gradients" : "";
-    const to = pose.name === "rest" ? "rest-as-pose.vtu" : fileWord(fileName(pose));
-    const [from, result] = [model.name, deformedName(model)].map(fileWord);
-    const matrix = fileWord(matrixName(document, model));
+    const [from, result, matrix] = [
+      model.name,
+      deformedNames(document)[i],
+      matrixNames(document)[i],
+    ].map(fileWord);
     lines.push(
       `espalier deform ${from} ${options} \\\n    --to ${to} -o ${result}`,
       `espalier stencils rest.vtu --points ${from} ${bindingOptions(document)}${gradients} -o ${matrix}`,

@@ -236,7 +236,9 @@ export interface Jobs {
   ): Transformed;
   /** The vertices of a part of the lattice: the limb at a point, or what lies beyond the face nearest to the point. */
   part(kind: "limb" | "beyond", point: Point, positions: Float64Array): number[];
-  /** The selected vertices, and those that so many edges join to them; below 0 without the outer ones. */
+  /** The middle of the section between the selected vertices and the rest; null if there is none. */
+  border(selection: readonly number[], positions: Float64Array): Point | null;
+  /** Adds the vertices that are at most `steps` edges away from a selection. Below 0, removes the outer ones. */
   grow(selection: readonly number[], steps: number): number[];
   write(product: Product): Uint8Array;
   /** The size of the memory of the module, in bytes. */

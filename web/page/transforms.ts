@@ -86,21 +86,6 @@ function operation(transform: Transform): string {
   }
 }
 
-/** The mean of the selected vertices that have neighbours outside the selection: the elbow of an arm. The
- * middle of the selection, if there are none. */
-export function borderOf(
-  positions: Float64Array,
-  selection: readonly number[],
-  neighbours: readonly (readonly number[])[],
-): Point {
-  const selected = new Set(selection);
-  const border = selection.filter((v) => neighbours[v].some((each) => !selected.has(each)));
-  if (border.length === 0) return middleOf(positions, selection);
-  return [0, 1, 2].map(
-    (c) => border.reduce((sum, v) => sum + positions[3 * v + c], 0) / border.length,
-  ) as Point;
-}
-
 /** The middle of the box around selected vertices. */
 export function middleOf(positions: Float64Array, selection: readonly number[]): Point {
   const weights = new Float64Array(positions.length / 3);

@@ -684,7 +684,9 @@ export class View {
 
   /** The point of a model that is nearest to the place where the pointer meets a model: its number in `points`. */
   pointAt(x: number, y: number): number | null {
+    if (!this.shown.model) return null;
     const ray = this.rayAt(x, y);
+    ray.params.Points.threshold = 0.01 * this.size;
     let best: { point: number; distance: number } | null = null;
     let before = 0;
     for (const model of this.models) {

@@ -272,7 +272,8 @@ function chain(start: Lattice, steps: ((from: Lattice) => Lattice)[]): Lattice {
 
 function edited(edit: LatticeEdit): Lattice {
   const { file } = openLatticeNow();
-  const copy = () => library.merged([file], 0);
+  // merged() would join vertices at one place.
+  const copy = () => library.readLattice("lattice.vtu", file.write(".vtu"));
   switch (edit.kind) {
     case "extrude":
       // The new vertices of neighbouring faces coincide, and become one.
@@ -465,6 +466,13 @@ function transformed(from: Transformed, weights: Float64Array, to: Transform): T
   return library.poses.mirror(rest, positions, kAxes.indexOf(to.axis), { weights });
 }
 
+/** Weights of 1 for the selected vertices. */
+function weightsOf(selection: readonly number[]): Float64Array {
+  const weights = new Float64Array(openLatticeNow().rest.length / 3);
+  for (const v of selection) weights[v] = 1;
+  return weights;
+}
+
 /** The vertices with a weight above 0. */
 const chosen = (weights: Float64Array) => [...weights.keys()].filter((v) => weights[v] > 0);
 
@@ -598,12 +606,16 @@ const jobs: Jobs = {
         : poses.selectBeyond(file, positions, poses.nearestInnerFace(file, positions, point)).weights,
     );
   },
-  grow(selection, steps) {
-    const { file, rest } = openLatticeNow();
-    const weights = new Float64Array(rest.length / 3);
-    for (const v of selection) weights[v] = 1;
-    return chosen(library.poses.growSelection(file, weights, steps));
+  border(selection, positions) {
+    const { file } = openLatticeNow();
+    try {
+      return library.poses.selectionBorder(file, positions, weightsOf(selection)).center;
+    } catch {
+      return null; // All vertices are selected, or too few for a face.
+    }
   },
+  grow: (selection, steps) =>
+    chosen(library.poses.growSelection(openLatticeNow().file, weightsOf(selection), steps)),
 
   write(product) {
     switch (product.kind) {
@@ -645,6 +657,7 @@ function run({ id, job, values }: Request<JobName>): void {
     return true;
   };
   try {
+    if (failure) throw failure;
     const work = () => (jobs[job] as (...all: unknown[]) => unknown)(...values);
     // A pose takes a few milliseconds, and is asked for in each frame.
     const result = job === "pose" ? work() : library.withProgress(report, work);
@@ -658,15 +671,16 @@ function run({ id, job, values }: Request<JobName>): void {
 
 /** Requests that came before the library was there. */
 const waiting: Request[] = [];
+let failure: unknown = null;
 
 addEventListener("message", async ({ data }: MessageEvent<Start | Request>) => {
   if ("module" in data) {
     try {
       library = await load(data.module);
     } catch (error) {
-      reportError(error);
+      failure = error;
     }
     for (const request of waiting.splice(0)) run(request);
-  } else if (library) run(data);
+  } else if (library || failure) run(data);
   else waiting.push(data);
 });

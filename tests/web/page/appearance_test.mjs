@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How models look in the page: textures, materials, colours and edges, by the colours of pixels.
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { mkdirSync, writeFileSync } from "node:fs";
 import { describe, test } from "node:test";
 import { crc32, deflateSync } from "node:zlib";
 import { pageFile, settled } from "./browser.mjs";
@@ -9,6 +9,7 @@ import {
   assertSameFiles,
   choose,
   download,
+  drop,
   file,
   makeBox,
   message,
@@ -118,20 +119,6 @@ function glb(json, binary) {
   return Buffer.concat([head, ...chunks]);
 }
 
-/** Drops files onto the page, together. */
-async function drop(page, files) {
-  const contents = Object.entries(files).map(([name, content]) => [
-    name,
-    Buffer.from(content).toString("base64"),
-  ]);
-  await page.evaluate((all) => {
-    const data = new DataTransfer();
-    for (const [name, base64] of all)
-      data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
-    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
-  }, contents);
-}
-
 async function opened(page, files) {
   await drop(page, files);
   await until(page, () => globalThis.espalier.editor.document.models.length > 0);
@@ -224,6 +211,28 @@ describe("the look of a model", () => {
       await widen(page);
       assert.deepEqual(await namesOf(page, places(2)), colours);
     }));
+
+  test("two pictures of one name are told apart by their folders", async () => {
+    mkdirSync(file("a"), { recursive: true });
+    mkdirSync(file("b"), { recursive: true });
+    writeFileSync(file("a/tex.png"), png(kRed, kRed, kRed, kRed));
+    writeFileSync(file("b/tex.png"), png(kBlue, kBlue, kBlue, kBlue));
+    writeFileSync(
+      file("two.mtl"),
+      "newmtl left\nmap_Kd a/tex.png\nnewmtl right\nmap_Kd b\\tex.png\n",
+    );
+    const left = "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nvt 0.5 0.5\nusemtl left\nf 1/1 2/1 3/1 4/1\n";
+    const right = "v 1 -1 0\nv 1 1 0\nusemtl right\nf 2/1 5/1 6/1 3/1\n";
+    writeFileSync(file("two-halves.obj"), `mtllib two.mtl\n${left}${right}`);
+    run("page", "two-halves.obj", "--page", pageFile, "-o", file("halves.html"));
+    await withPage(
+      async (page) => {
+        await until(page, () => globalThis.espalier.editor.models.length > 0);
+        assert.deepEqual(await namesOf(page, [[-0.5, 0, 0], [0.5, 0, 0]]), ["red", "blue"]); // prettier-ignore
+      },
+      { file: file("halves.html") },
+    );
+  });
 
   test("a page of espalier page has the .mtl and the picture inside", async () => {
     const files = { "wood.png": kPicture, "square.obj": kSquareObj, "square.mtl": kSquareMtl };

@@ -12,10 +12,12 @@ import {
   documentNow,
   download,
   dragHandles,
+  drop,
   file,
   folder,
   handlesLetGo,
   makeBox,
+  makeCage,
   openExample,
   plyText,
   positionsOf,
@@ -274,8 +276,7 @@ describe("hands in the page", () => {
   test("a tail that is pulled bends, and folds no cell", () =>
     withPage(async (page) => {
       await openExample(page);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       const { gap, folded, milliseconds } = await page.evaluate(async () => {
         const { editor } = globalThis.espalier;
         const { points } = editor.models[0];
@@ -304,8 +305,7 @@ describe("hands in the page", () => {
   test("several points are pulled at once, and pinned points stay", () =>
     withPage(async (page) => {
       await openExample(page);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       await press(page, "Numpad1");
       await press(page, "p");
       // Seen from the front, the dog's nose is at the right, its tail at the left; both are above the feet.
@@ -420,8 +420,7 @@ describe("hands in the page", () => {
   test("a point is pulled by one drag, undo takes the handles along, and no handle moves out of sight", () =>
     withPage(async (page) => {
       await openExample(page);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       await press(page, "Numpad1");
       await press(page, "p");
       const eye = () => page.evaluate(() => globalThis.espalier.editor.view.camera.position.toArray());
@@ -498,8 +497,7 @@ describe("hands in the page", () => {
   test("a pull that would fold cells stays behind, and says so", () =>
     withPage(async (page) => {
       await openExample(page);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       await press(page, "p");
       const folded = await page.evaluate(async () => {
         const { editor, gizmo } = globalThis.espalier;
@@ -569,8 +567,7 @@ describe("hands in the page", () => {
   test("a limb is selected at a vertex, and turns about its joint", () =>
     withPage(async (page) => {
       await openExample(page);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       const count = (await positions(page)).length / 3;
       // The vertex at the end of the tail has the least x.
       const all = await positions(page);
@@ -651,14 +648,7 @@ describe("hands in the page", () => {
         "# new\ntouch PWNED\n.ply",
       ]) {
         writeFileSync(file(name), plyText());
-        await page.evaluate(
-          ([name, text]) => {
-            const data = new DataTransfer();
-            data.items.add(new File([text], name));
-            document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
-          },
-          [name, plyText()],
-        );
+        await drop(page, { [name]: plyText() });
         await page.waitForFunction(
           (name) => globalThis.espalier.editor.document.models[0]?.name === name,
           name,

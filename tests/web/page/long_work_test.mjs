@@ -10,6 +10,7 @@ import {
   documentNow,
   dragHandles,
   file,
+  makeCage,
   openExample,
   plyText,
   run,
@@ -40,8 +41,7 @@ describe("sent, cancelled, opened many times", () => {
     withPage(async (page) => {
       await openExample(page);
       await page.fill('[data-form="cage"] [name="vertices"]', "60");
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       const start = await documentNow(page);
       // A cage has irregular cells, in which level 14 takes seconds.
       await page.evaluate(() => {

@@ -12,6 +12,7 @@ import {
   documentNow,
   download,
   dragHandles,
+  drop,
   file,
   folder,
   handlesLetGo,
@@ -313,16 +314,10 @@ describe("the page", () => {
       async (page) => {
         const corners = ["--min", "0", "0", "0", "--max", "1", "1", "1"];
         run("shape", "box", "--cells", "2", "2", "2", ...corners, "-o", file("dropped.vtu"));
-        const files = [
-          { name: "dropped.ply", text: plyText() },
-          { name: "dropped.vtu", text: readFileSync(file("dropped.vtu"), "latin1") },
-        ];
-        await page.evaluate((files) => {
-          const data = new DataTransfer();
-          for (const { name, text } of files)
-            data.items.add(new File([Uint8Array.from(text, (c) => c.charCodeAt(0))], name));
-          document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
-        }, files);
+        await drop(page, {
+          "dropped.ply": plyText(),
+          "dropped.vtu": readFileSync(file("dropped.vtu")),
+        });
         await until(page, () => globalThis.espalier.editor.binding !== null);
         const at = await page.evaluate(() => globalThis.espalier.editor.view.screenOf(26));
         await page.locator("#view canvas").tap({ position: { x: at.x + 15, y: at.y } });

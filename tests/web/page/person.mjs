@@ -106,6 +106,26 @@ export async function makeBox(page, cells = 4) {
   await until(page, () => globalThis.espalier.editor.binding !== null);
 }
 
+/** Makes a cage around the model. */
+export async function makeCage(page) {
+  await page.click('[data-form="cage"] button');
+  await until(page, () => globalThis.espalier.editor.binding !== null);
+}
+
+/** Drops files together onto the page: a text or bytes for each name. */
+export async function drop(page, files) {
+  const contents = Object.entries(files).map(([name, content]) => [
+    name,
+    Buffer.from(content).toString("base64"),
+  ]);
+  await page.evaluate((all) => {
+    const data = new DataTransfer();
+    for (const [name, base64] of all)
+      data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
+  }, contents);
+}
+
 /** Clicks a vertex where it is on the screen. */
 export async function clickVertex(page, vertex, options = {}) {
   const at = await page.evaluate((v) => globalThis.espalier.editor.view.screenOf(v), vertex);

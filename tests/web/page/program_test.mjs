@@ -19,6 +19,7 @@ import {
   kCorners,
   kFaces,
   makeBox,
+  makeCage,
   openExample,
   plyText,
   pointsOf,
@@ -57,8 +58,7 @@ describe("against the program", () => {
       writeFileSync(file("spot.obj"), readFileSync(spot));
       await choose(page, "open", file("spot.obj"));
       await until(page, () => globalThis.espalier.editor.models.length > 0);
-      await page.click('[data-form="cage"] button');
-      await until(page, () => globalThis.espalier.editor.binding !== null);
+      await makeCage(page);
       run("shape", "cage", "spot.obj", "--vertices", "150", "-o", file("cage.vtu"));
       assertSameFiles(await download(page, "save rest"), file("cage.vtu"));
       const { poses } = await documentNow(page);

@@ -10,6 +10,7 @@ import {
   commandsShown,
   documentNow,
   download,
+  drop,
   file,
   gltfText,
   makeBox,
@@ -34,13 +35,6 @@ function writeTwo() {
   ];
   writeFileSync(file("two.obj"), `${lines.join("\n")}\n`);
 }
-
-const drop = (page, files) =>
-  page.evaluate((files) => {
-    const data = new DataTransfer();
-    for (const [name, text] of files) data.items.add(new File([text], name));
-    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
-  }, files);
 
 describe("several models", () => {
   test("all follow one lattice, and each is the file of the program", () =>
@@ -101,13 +95,13 @@ describe("several models", () => {
     withPage(async (page) => {
       writeTwo();
       run("shape", "box", "--min", "-1", "-1", "-1", "--max", "4", "2", "2", "-o", file("box.vtu"));
-      await drop(page, [["t.stl", stlText()], ["t.gltf", gltfText()], ["t.ply", plyText()]]); // prettier-ignore
+      await drop(page, { "t.stl": stlText(), "t.gltf": gltfText(), "t.ply": plyText() });
       await until(page, () => globalThis.espalier.editor.models.length === 3);
       await choose(page, "open lattice", file("box.vtu"));
       await until(page, () => globalThis.espalier.editor.binding !== null);
       assert.equal(await page.evaluate(() => globalThis.espalier.editor.binding.outside.length), 0);
       // A broken file changes nothing.
-      await drop(page, [["broken.ply", "no model"]]);
+      await drop(page, { "broken.ply": "no model" });
       await page.waitForFunction(() => document.querySelector("#message.error:not([hidden])") !== null);
       assert.equal((await documentNow(page)).models.length, 3);
       assert.ok(await page.evaluate(() => globalThis.espalier.editor.binding !== null));
@@ -163,6 +157,130 @@ describe("several models", () => {
     }));
 });
 
+describe("work that must not be lost", () => {
+  test("what is cancelled or fails takes no edit along", () =>
+    withPage(async (page) => {
+      writeTwo();
+      await choose(page, "open", file("one.ply"));
+      await until(page, () => globalThis.espalier.editor.models.length === 1);
+      await makeBox(page, 3);
+      await page.evaluate(() => globalThis.espalier.editor.select([1, 2]));
+      const before = await documentNow(page);
+      // Cells that cannot be had are not drawn, and not asked for again.
+      const asked = await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        const { engine } = editor;
+        const run = engine.run.bind(engine);
+        let asked = 0;
+        engine.run = (job, ...values) => {
+          if (job !== "cellSurface") return run(job, ...values);
+          ++asked;
+          return Promise.reject(new Error("no memory"));
+        };
+        await editor.setShown({ ...editor.view.shown, cells: true });
+        await editor.update();
+        engine.run = run;
+        return asked;
+      });
+      assert.equal(asked, 1);
+      assert.equal(await page.isChecked('[data-shown="cells"]'), false);
+      assert.deepEqual(await documentNow(page), before);
+      // A binding that fails is made again.
+      await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        await editor.change({ settings: { ...editor.document.settings, level: 99 } });
+      });
+      assert.deepEqual(await documentNow(page), before);
+      assert.ok(await page.evaluate(() => globalThis.espalier.editor.binding !== null));
+      // Cancelling leaves an empty worker, which gets everything again.
+      await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        const made = editor.attempt(() => editor.makeLattice({ kind: "cage", vertices: 2000 }, ""));
+        editor.engine.cancel();
+        await made;
+        await editor.transform({ kind: "move", offset: [0.25, 0, 0] });
+      });
+      await download(page, "save model", "after.ply");
+      assert.equal((await documentNow(page)).poses[0].steps.length, 1);
+    }));
+
+  test("models that are opened while poses play, and edits after an undo", () =>
+    withPage(async (page) => {
+      writeTwo();
+      await choose(page, "open", file("one.ply"));
+      await until(page, () => globalThis.espalier.editor.models.length === 1);
+      await makeBox(page, 2);
+      await page.evaluate(() => {
+        const { editor } = globalThis.espalier;
+        void globalThis.espalier.timeline.toggle();
+        void editor.attempt(() => editor.addPose("b", editor.positions));
+      });
+      for (let i = 2; i <= 4; ++i) {
+        await choose(page, "open beside", file("two.obj"));
+        await page.waitForFunction((i) => globalThis.espalier.editor.models.length === i, i);
+      }
+      await page.evaluate(() => globalThis.espalier.timeline.toggle());
+      await settled(page);
+      assert.equal((await documentNow(page)).models.length, 4);
+      assert.ok(await page.isHidden("#message.error"));
+      // The lattice that an edit changes is another one by then.
+      await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        await editor.editLattice({ kind: "mark", edges: [0, 1], vertices: [], sharpness: 10 });
+        const edit = editor.attempt(() => editor.editLattice({ kind: "clear marks" }));
+        await editor.undo();
+        await edit;
+      });
+      assert.match(await page.textContent("#message span"), /the lattice has changed meanwhile/);
+    }));
+
+  test("vertices at one place stay two", () =>
+    withPage(async (page) => {
+      await page.click('[data-form="shape"] button');
+      await until(page, () => globalThis.espalier.editor.shape !== null);
+      const count = await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        await editor.setTime(0);
+        const move = (v, to) => {
+          const positions = editor.positions.slice();
+          positions.set(to, 3 * v);
+          return editor.setPositions(positions, null);
+        };
+        await move(0, editor.positions.slice(3, 6));
+        await move(0, [-1, -1, -1.5]);
+        return editor.positions.length / 3;
+      });
+      assert.equal(count, 64);
+      const { lattice } = await documentNow(page);
+      assert.equal(lattice.positions[2], -1.5);
+    }));
+
+  test("files of poses and models get names of their own", () =>
+    withPage(async (page) => {
+      writeTwo();
+      writeFileSync(file("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+      await choose(page, "open", file("one.ply"), file("one.obj"));
+      await until(page, () => globalThis.espalier.editor.models.length === 2);
+      await makeBox(page, 2);
+      const names = ["Rest", "A!", "A?"];
+      await page.evaluate(async (names) => {
+        const { editor } = globalThis.espalier;
+        const poses = names.map((name) => ({ ...editor.document.poses[0], name }));
+        await editor.change({ poses, time: 1 });
+      }, names);
+      const files = [];
+      for (let time = 1; time <= 3; ++time) {
+        await page.evaluate((time) => globalThis.espalier.editor.setTime(time), time);
+        const text = await commandsShown(page);
+        assert.match(text, /-o D-one\.npz[\s\S]*-o D-one-2\.npz/);
+        files.push(text.match(/espalier pose[^]*?-o (\S+)/)[1]);
+      }
+      assert.deepEqual(files, ["rest-2.vtu", "a-.vtu", "a--2.vtu"]);
+      await page.evaluate(() => globalThis.espalier.editor.setTime(0));
+      assert.match(await commandsShown(page), /^cp rest\.vtu rest-as-pose\.vtu$/m);
+    }));
+});
+
 describe("a page to send", () => {
   test("has the models, the lattice, the poses and the settings inside", async () => {
     writeTwo();
@@ -187,7 +305,9 @@ describe("a page to send", () => {
       await withPage(
         async (page) => {
           await until(page, () => globalThis.espalier.editor.document.poses[0]?.name === "Pose 1");
-          const { models, settings, rules, poses, time } = await documentNow(page);
+          const { models, settings, rules, poses, time, lattice } = await documentNow(page);
+          assert.equal(lattice.command, sent.document.lattice.command);
+          assert.deepEqual(poses[0].steps, sent.document.poses[0].steps);
           assert.deepEqual(models, sent.document.models);
           assert.deepEqual([settings, rules], [sent.document.settings, sent.document.rules]);
           assert.deepEqual([poses.length, time], [1, 1]);
