@@ -127,8 +127,23 @@ FoldBarrier::FoldBarrier(const far::TopologyRefiner& base, std::span<const Point
             part.tetrahedra.push_back(own);
             part.volumes.push_back(volume);
         }
+        keepUsedRows(part);
         parts_.push_back(std::move(part));
     }
+}
+
+/// Removes the points that no tetrahedron has: half of the lattice may stay.
+void FoldBarrier::keepUsedRows(Part& part) {
+    std::vector<Index> used;
+    for (const Tetrahedron& each : part.tetrahedra)
+        used.insert(used.end(), each.begin(), each.end());
+    sortUnique(used);
+    part.table = stencils::selectRows(part.table, used);
+    std::vector<Point3> kept;
+    for (const Index point : used) kept.push_back(part.rest[point]);
+    part.rest = std::move(kept);
+    for (Tetrahedron& each : part.tetrahedra)
+        for (Index& point : each) point = indexIn(used, point);
 }
 
 double FoldBarrier::energy(const Columns& moved, Columns* gradient) const {

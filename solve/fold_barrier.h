@@ -64,6 +64,7 @@ private:
         double scale = 1;  ///< volume of a cell of level 1 over the volume of one of the level
     };
 
+    static void keepUsedRows(Part& part);
     double energy(const Part& part, const Columns& moved, Columns* gradient) const;
 
     std::vector<Part> parts_;
