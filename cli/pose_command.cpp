@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/shapes/cell_selection.h>
-#include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -25,6 +22,7 @@
 #include "job.h"
 #include "options.h"
 #include "pose_selection.h"
+#include "posing.h"
 #include "standard_streams.h"
 
 namespace espalier::cli {
@@ -34,8 +32,6 @@ namespace pose = shapes::pose;
 
 constexpr const char* kSelectAll = "--select-all";
 
-class Posing;
-
 /// An option that selects vertices, sets an option or runs an operation, and its effect. Steps run
 /// in the order of the options.
 struct Step {
@@ -43,36 +39,6 @@ struct Step {
     std::function<void(Posing&)> run;
     bool changesSelection = false;  ///< a --select that starts from the selection before
 };
-
-/// The point that --about names.
-struct Pivot {
-    enum class Kind { Point, Vertex, Border, Joint };
-    Kind kind = Kind::Border;
-    Point3 point = {0, 0, 0};  ///< for Point, and the point on the model for Joint
-    Index vertex = 0;
-};
-
-/// Returns the pivot that the words of an --about name.
-/// \throws CLI::ValidationError with the words that were expected
-Pivot pivotOf(const std::vector<std::string>& words) {
-    using Kind = Pivot::Kind;
-    const std::string first = words.empty() ? "" : words[0];
-    const std::size_t from = first == "vertex" || first == "border" || first == "joint" ? 1 : 0;
-    std::vector<double> numbers;
-    for (std::size_t i = from; i < words.size(); ++i)
-        if (const auto number = numberOf(words[i])) numbers.push_back(*number);
-    const std::size_t expected = first == "vertex" ? 1 : first == "border" ? 0 : 3;
-    const bool isVertex = first == "vertex" && numbers.size() == 1 && numbers[0] >= 0 &&
-                          numbers[0] < kMaxIndex && numbers[0] == std::floor(numbers[0]);
-    if (numbers.size() != expected || words.size() != from + expected ||
-        (first == "vertex" && !isVertex))
-        throw CLI::ValidationError(
-            "--about", fmt::format("expected vertex NUMBER; border; joint X Y Z; X Y Z; got {}",
-                                   shown(printable(fmt::format("{}", fmt::join(words, " "))))));
-    if (first == "vertex") return {Kind::Vertex, {}, static_cast<Index>(numbers[0])};
-    if (first == "border") return {};
-    return {from == 1 ? Kind::Joint : Kind::Point, {numbers[0], numbers[1], numbers[2]}, 0};
-}
 
 struct PoseOptions {
     CommonOptions common;
@@ -99,21 +65,6 @@ std::optional<shapes::Falloff::Profile> falloffOf(std::string_view word) {
     return known->choice;
 }
 
-/// A plane across an axis: at a place, or in the middle of the lattice.
-struct MirrorPlane {
-    int axis = 0;
-    std::optional<double> place = {};
-};
-
-/// Returns the plane that a word names: x, y=0.5.
-std::optional<MirrorPlane> mirrorPlaneOf(const std::string& word) {
-    if (word.empty() || word[0] < 'x' || word[0] > 'z') return std::nullopt;
-    const int axis = word[0] - 'x';
-    if (word.size() == 1) return MirrorPlane{axis};
-    const auto place = word[1] == '=' ? numberOf(word.substr(2)) : std::nullopt;
-    return place ? std::optional(MirrorPlane{axis, *place}) : std::nullopt;
-}
-
 /// Returns a check that a word is a length.
 /// \param words all words of the option, for the message
 CLI::Validator isLengthOf(const std::string& words) {
@@ -125,171 +76,6 @@ CLI::Validator isLengthOf(const std::string& words) {
         },
         "");
 }
-
-/// Applies the steps to a lattice, one after the other.
-class Posing {
-public:
-    explicit Posing(const Lattice& lattice) : lattice_(lattice), positions_(lattice.positions) {}
-
-    const std::vector<Point3>& positions() const { return positions_; }
-
-    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre,
-    /// pivot, range and direction. \throws CLI::ValidationError if no vertex is selected
-    void select(std::optional<Selection> selection) {
-        if (selection && selection->part) {
-            const shapes::Limb limb = selection->part(lattice_);
-            const auto& [x, y, z] = limb.section.center;
-            found_.push_back(fmt::format(
-                "{}: {} of {} vertices, beyond a section of area {:.4g} at {:.4g} {:.4g} {:.4g}",
-                printable(selection->text), limb.vertices.size(), lattice_.positions.size(),
-                limb.section.area, x, y, z));
-            selectVertices(*selection, limb.vertices);
-        } else if (selection && selection->change) {
-            if (!selection_)
-                throw CLI::ValidationError(
-                    kSelect,
-                    printable(selection->text) +
-                        ": the whole lattice is selected; give another --select before it");
-            selectVertices(*selection, selection->change(lattice_, selectedVertices()));
-        }
-        selection_ = std::move(selection);
-        falloff_ = {};
-        center.reset();
-        pivot.reset();
-        range.reset();
-        toward.reset();
-        if (selection_) checkCount();
-    }
-
-    void setFalloff(const shapes::Falloff& falloff) {
-        constexpr const char* kOption = "--falloff";
-        if (!(falloff.radius > 0))
-            throw CLI::ValidationError(
-                kOption, fmt::format("expected a radius above 0, got {}", falloff.radius));
-        if (!selection_)
-            throw CLI::ValidationError(
-                kOption, "the whole lattice is selected; give --select before --falloff");
-        if (!selection_->takesFalloff)
-            throw CLI::ValidationError(
-                kOption, "the values of an attribute are the weights already, without falloff");
-        falloff_ = falloff;
-    }
-
-    /// Replaces the positions by operate(positions, options).
-    template <class Operate>
-    void operate(const Operate& operate) {
-        const std::vector<double> selected = weights();
-        pose::Options options{selected, center, range};
-        if (pivot) {
-            options.center = pivotPoint();
-            options.startsAtCenter = !range;
-        }
-        positions_ = operate(std::span<const Point3>(positions_), options);
-    }
-
-    /// Lets the images of the selected vertices do what these do.
-    void mirror(const MirrorPlane& at) {
-        operate([&](const auto& positions, const pose::Options& options) {
-            pose::Mirrored result =
-                pose::mirror(lattice_.positions, positions, at.axis, options.weights, at.place);
-            const std::string without =
-                result.withoutImage == 0
-                    ? ""
-                    : fmt::format("; {} without a mirror image {}", result.withoutImage,
-                                  result.withoutImage == 1 ? "stays" : "stay");
-            found_.push_back(fmt::format("mirror: {} of {} selected vertices at {} = {:.4g}{}",
-                                         result.withImage, result.withImage + result.withoutImage,
-                                         "xyz"[at.axis], result.plane, without));
-            return std::move(result.positions);
-        });
-    }
-
-    const Lattice& lattice() const { return lattice_; }
-
-    /// The lines that tell which parts of the lattice the selections found.
-    const std::vector<std::string>& found() const { return found_; }
-
-    /// The notes on selections of few vertices.
-    const std::vector<std::string>& notes() const { return notes_; }
-
-    std::optional<Point3> center, toward;
-    std::optional<Pivot> pivot;
-    std::optional<std::array<double, 2>> range;
-
-private:
-    /// Lets a selection select some vertices, with a falloff along the cells.
-    static void selectVertices(Selection& selection, std::vector<Index> vertices) {
-        selection.weights = [vertices = std::move(vertices)](const Lattice& lattice,
-                                                             const shapes::Falloff& falloff) {
-            return shapes::selectAlongCells(lattice.complex, lattice.positions, vertices, falloff);
-        };
-    }
-
-    /// Returns the vertices that are selected without the falloff.
-    std::vector<Index> selectedVertices() const {
-        std::vector<Index> vertices;
-        const auto selected = selection_->weights(lattice_, {});
-        for (std::size_t v = 0; v < selected.size(); ++v)
-            if (selected[v] > 0) vertices.push_back(static_cast<Index>(v));
-        return vertices;
-    }
-
-    /// Refuses a selection without vertices, and notes one with few.
-    void checkCount() {
-        const auto count = selectedVertices().size();
-        if (count == 0)
-            throw CLI::ValidationError(
-                kSelect,
-                fmt::format("{}: expected at least one vertex there; the lattice has none. {}",
-                            printable(selection_->text),
-                            selection_->change ? "Give fewer steps"
-                                               : "Give a larger region, such as a radius of 10%, "
-                                                 "or grow another selection"));
-        constexpr std::size_t kFew = 2;
-        if (count <= kFew && !selection_->isExplicit)
-            notes_.push_back(
-                fmt::format("note: --select {} selects {} of {} vertices; a larger region, or "
-                            "--select grow 1 after it, selects more",
-                            printable(selection_->text), count == 1 ? "one" : "two",
-                            lattice_.positions.size()));
-    }
-
-    /// Returns the place of the pivot in the pose so far.
-    Point3 pivotPoint() const {
-        if (pivot->kind == Pivot::Kind::Point) return pivot->point;
-        if (pivot->kind == Pivot::Kind::Vertex) {
-            if (pivot->vertex >= std::ssize(positions_))
-                throw CLI::ValidationError("--about",
-                                           fmt::format("vertex {}: expected 0 to {}", pivot->vertex,
-                                                       positions_.size() - 1));
-            return positions_[pivot->vertex];
-        }
-        if (pivot->kind == Pivot::Kind::Joint) {
-            const Index face =
-                shapes::nearestInnerFace(lattice_.complex, lattice_.positions, pivot->point);
-            const auto part =
-                shapes::selectBeyond(lattice_.complex, lattice_.positions, face).vertices;
-            return shapes::selectionBorder(lattice_.complex, positions_, part).center;
-        }
-        if (!selection_)
-            throw CLI::ValidationError("--about",
-                                       "border: the whole lattice is selected, and has no border; "
-                                       "give --select before it");
-        return shapes::selectionBorder(lattice_.complex, positions_, selectedVertices()).center;
-    }
-
-    /// Returns the weight of each vertex; no weights if all vertices are selected. Selections use
-    /// the positions in the file: operations before them do not matter.
-    std::vector<double> weights() const {
-        return selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
-    }
-
-    const Lattice& lattice_;
-    std::vector<Point3> positions_;
-    std::optional<Selection> selection_;  ///< none: all vertices
-    shapes::Falloff falloff_;
-    std::vector<std::string> found_, notes_;
-};
 
 /// The options that change an operation after them, and the operations that use them. All
 /// operations use the others: --select, --select-all and --falloff.

@@ -201,4 +201,32 @@ Selection selectionOf(const std::vector<std::string>& words) {
     return result;
 }
 
+Pivot pivotOf(const std::vector<std::string>& words) {
+    using Kind = Pivot::Kind;
+    const std::string first = words.empty() ? "" : words[0];
+    const std::size_t from = first == "vertex" || first == "border" || first == "joint" ? 1 : 0;
+    std::vector<double> numbers;
+    for (std::size_t i = from; i < words.size(); ++i)
+        if (const auto number = numberOf(words[i])) numbers.push_back(*number);
+    const std::size_t expected = first == "vertex" ? 1 : first == "border" ? 0 : 3;
+    const bool isVertex = first == "vertex" && numbers.size() == 1 && numbers[0] >= 0 &&
+                          numbers[0] < kMaxIndex && numbers[0] == std::floor(numbers[0]);
+    if (numbers.size() != expected || words.size() != from + expected ||
+        (first == "vertex" && !isVertex))
+        throw CLI::ValidationError(
+            "--about", fmt::format("expected vertex NUMBER; border; joint X Y Z; X Y Z; got {}",
+                                   shown(printable(fmt::format("{}", fmt::join(words, " "))))));
+    if (first == "vertex") return {Kind::Vertex, {}, static_cast<Index>(numbers[0])};
+    if (first == "border") return {};
+    return {from == 1 ? Kind::Joint : Kind::Point, {numbers[0], numbers[1], numbers[2]}, 0};
+}
+
+std::optional<MirrorPlane> mirrorPlaneOf(const std::string& word) {
+    if (word.empty() || word[0] < 'x' || word[0] > 'z') return std::nullopt;
+    const int axis = word[0] - 'x';
+    if (word.size() == 1) return MirrorPlane{axis};
+    const auto place = word[1] == '=' ? numberOf(word.substr(2)) : std::nullopt;
+    return place ? std::optional(MirrorPlane{axis, *place}) : std::nullopt;
+}
+
 }  // namespace espalier::cli

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-// The words of `espalier pose` that name directions, lengths and vertices.
+// The words of `espalier pose` that name directions, lengths, vertices, pivots and planes.
 namespace espalier::cli {
 
 inline constexpr const char* kSelect = "--select";
@@ -48,5 +48,26 @@ struct Selection {
 /// Returns the selection that the words of a --select name.
 /// \throws CLI::ValidationError with the words that were expected
 Selection selectionOf(const std::vector<std::string>& words);
+
+/// The point that --about names.
+struct Pivot {
+    enum class Kind { Point, Vertex, Border, Joint };
+    Kind kind = Kind::Border;
+    Point3 point = {0, 0, 0};  ///< for Point, and the point on the model for Joint
+    Index vertex = 0;
+};
+
+/// Returns the pivot that the words of an --about name.
+/// \throws CLI::ValidationError with the words that were expected
+Pivot pivotOf(const std::vector<std::string>& words);
+
+/// A plane across an axis: at a place, or in the middle of the lattice.
+struct MirrorPlane {
+    int axis = 0;
+    std::optional<double> place = {};
+};
+
+/// Returns the plane that a word names: x, y=0.5.
+std::optional<MirrorPlane> mirrorPlaneOf(const std::string& word);
 
 }  // namespace espalier::cli
