@@ -73,7 +73,8 @@ private:
     bool isHere(const fs::path& file) {
         if (!fs::is_regular_file(file, unknown_)) return false;
         const fs::path real = fs::weakly_canonical(file, unknown_);
-        return std::ranges::mismatch(top_, real).in1 == top_.end();
+        return std::mismatch(top_.begin(), top_.end(), real.begin(), real.end()).first ==
+               top_.end();
     }
 
     /// Returns the files beside the model, by their names in small letters.

@@ -36,6 +36,10 @@ export class Gizmo {
   /** the only axis of the handles; null for all three */
   axis: Axis | null = null;
 
+  /** Whether the handles move in steps: lengths of a power of ten near a fiftieth of the lattice, 15 degrees, and
+   * tenths. */
+  isSnapping = false;
+
   private readonly controls: TransformControls;
   private readonly handle = new THREE.Object3D();
   /** the drag: what it began with */
@@ -77,10 +81,6 @@ export class Gizmo {
       : this.handle.position.clone().sub(camera.position).normalize();
     return Math.abs(toHandle.getComponent(kAxes.indexOf(axis))) > kEndOn;
   }
-
-  /** Lets the handles move in steps: lengths of a power of ten near a fiftieth of the lattice, 15 degrees, and
-   * tenths. */
-  isSnapping = false;
 
   private placeSteps(): void {
     const { isSnapping, controls } = this;

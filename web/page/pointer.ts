@@ -84,8 +84,9 @@ export class Pointer {
   }
 
   private stop(): void {
-    if (this.press?.area || (this.press?.pulled ?? null) !== null) this.letOthersDrag(true);
-    if (this.press?.isPulling) void this.gizmo.end();
+    const { press } = this;
+    if (press && (press.area || press.pulled !== null)) this.letOthersDrag(true);
+    if (press?.isPulling) void this.gizmo.end();
     this.press = null;
     this.band.removeAttribute("points");
   }
