@@ -193,7 +193,7 @@ export class Editor {
           this.onChange();
         }
         if (!(error instanceof Cancelled)) this.fail(error);
-        else this.isStale = true; // The new worker has nothing open.
+        else if (this.shown === document) this.isStale = true; // The new worker has nothing open.
       }
     }
   }
