@@ -322,6 +322,12 @@ describe("the look of a model", () => {
         "3",
       );
       assertSameFiles(taken, file("expected.glb"));
+      // Another .bin has other points.
+      const wider = Buffer.from(numbers);
+      wider.writeFloatLE(-4, 0);
+      await drop(page, { "square.bin": wider });
+      await until(page, () => globalThis.espalier.editor.models[0].points[0] === -4);
+      assert.ok(await page.evaluate(() => globalThis.espalier.editor.binding !== null));
     }));
 
   test("the colours of the points of a .ply are shown, with and without faces", () =>
@@ -357,6 +363,19 @@ describe("the look of a model", () => {
         ]),
         ["red", "blue"],
       );
+      // Points of a cloud can be pulled.
+      await makeBox(page, 2);
+      await page.keyboard.press("Numpad1");
+      await page.keyboard.press("p");
+      await settled(page);
+      const picked = await page.evaluate(() => {
+        const { view } = globalThis.espalier.editor;
+        const place = view.camera.position.clone().fromArray(view.points, 6).project(view.camera);
+        const { clientWidth: width, clientHeight: height } = view.canvas;
+        const [x, y] = [((place.x + 1) / 2) * width, ((1 - place.y) / 2) * height];
+        return [view.pointAt(x, y), view.pointAt(x + 60, y)];
+      });
+      assert.deepEqual(picked, [2, null]);
     }));
 
   test("the edges of a box are hard, and a round surface is smooth", () =>
