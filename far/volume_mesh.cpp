@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
+#include <espalier/far/second_order_cells.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/far/volume_mesh.h>
 
@@ -21,7 +22,7 @@ struct VolumeMesh::Data {
     std::vector<Index> owners;
     std::vector<Index> neighbours;  ///< the neighbours of the internal faces
     Rows<Index> facesOfCells;
-    Rows<Index> corners;  ///< the corners of each cell; empty rows for polyhedra
+    Rows<Index> points;  ///< the points of each cell, corners first; empty rows for polyhedra
 };
 
 namespace {
@@ -38,21 +39,6 @@ std::span<const Index> rowOf(const Rows<Index>& rows, Index row) {
 void appendRow(Rows<Index>& rows, std::span<const Index> values) {
     rows.values.insert(rows.values.end(), values.begin(), values.end());
     rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
-}
-
-std::optional<StandardCell> kindOf(std::size_t cornerCount) {
-    switch (cornerCount) {
-        case 4:
-            return StandardCell::Tetrahedron;
-        case 5:
-            return StandardCell::Pyramid;
-        case 6:
-            return StandardCell::Wedge;
-        case 8:
-            return StandardCell::Hexahedron;
-        default:
-            return std::nullopt;
-    }
 }
 
 Index checkedCount(std::size_t count, const char* what) {
@@ -186,24 +172,24 @@ struct HalfFace {
 
 /// The faces of cells that a builder has.
 struct CellLoops {
-    const Rows<Index>& corners;
+    const Rows<Index>& points;
     const Rows<Index>& loops;
     const Rows<Index>& loopsOfCells;
 
     std::size_t count(Index cell) const {
-        const auto kind = kindOf(rowOf(corners, cell).size());
+        const auto kind = kindOfCell(rowOf(points, cell).size());
         return kind ? faceLoops(*kind).size() : rowOf(loopsOfCells, cell).size();
     }
 
     void read(const HalfFace& half, std::vector<Index>& loop) const {
-        const auto ofCell = rowOf(corners, half.cell);
-        if (const auto kind = kindOf(ofCell.size())) {
+        const auto ofCell = rowOf(points, half.cell);
+        if (const auto kind = kindOfCell(ofCell.size())) {
             const std::vector<Index>& places = faceLoops(*kind)[half.number];
             loop.resize(places.size());
             for (std::size_t i = 0; i < places.size(); ++i) loop[i] = ofCell[places[i]];
         } else {
-            const auto points = rowOf(loops, rowOf(loopsOfCells, half.cell)[half.number]);
-            loop.assign(points.begin(), points.end());
+            const auto ofFace = rowOf(loops, rowOf(loopsOfCells, half.cell)[half.number]);
+            loop.assign(ofFace.begin(), ofFace.end());
         }
     }
 };
@@ -350,7 +336,7 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
         CornerFinder finder;
         for (const Index face : rowOf(ofCells, cell))
             finder.add(rowOf(faces, face), owners[face] == cell);
-        appendRow(data->corners, finder.find());
+        appendRow(data->points, finder.find());
     }
     data->faces = std::move(faces);
     data->owners = std::move(owners);
@@ -363,7 +349,7 @@ Index VolumeMesh::pointCount() const {
 }
 
 Index VolumeMesh::cellCount() const {
-    return static_cast<Index>(rowCount(data_->corners));
+    return static_cast<Index>(rowCount(data_->points));
 }
 
 Index VolumeMesh::faceCount() const {
@@ -391,11 +377,21 @@ std::span<const Index> VolumeMesh::faces(Index cell) const {
 }
 
 std::optional<StandardCell> VolumeMesh::kind(Index cell) const {
-    return kindOf(corners(cell).size());
+    return kindOfCell(points(cell).size());
+}
+
+std::span<const Index> VolumeMesh::points(Index cell) const {
+    return rowOf(data_->points, cell);
 }
 
 std::span<const Index> VolumeMesh::corners(Index cell) const {
-    return rowOf(data_->corners, cell);
+    const auto all = points(cell);
+    const auto kind = kindOfCell(all.size());
+    return kind ? all.first(vertexCount(*kind)) : all;
+}
+
+bool VolumeMesh::isSecondOrder(Index cell) const {
+    return far::isSecondOrder(points(cell).size());
 }
 
 void VolumeMeshBuilder::checkPoints(std::span<const Index> points, Index cell) const {
@@ -409,12 +405,12 @@ void VolumeMeshBuilder::checkPoints(std::span<const Index> points, Index cell) c
 Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> points) {
     const Index cell = cellCount();
     checkCancelledEvery(cell, 12);
-    if (std::ssize(points) != vertexCount(kind))
+    if (kindOfCell(points.size()) != kind)
         throw TopologyError(
             TopologyCause::TooFewVertices, {3, cell},
             concat("cell ", cell, " has ", points.size(), " points; expected ", vertexCount(kind)));
     checkPoints(points, cell);
-    appendRow(corners_, points);
+    appendRow(points_, points);
     appendRow(loopsOfCells_, {});
     return cell;
 }
@@ -433,13 +429,13 @@ Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
         rows.push_back(static_cast<Index>(rowCount(loops_)));
         appendRow(loops_, loop);
     }
-    appendRow(corners_, {});
+    appendRow(points_, {});
     appendRow(loopsOfCells_, rows);
     return cell;
 }
 
 VolumeMesh VolumeMeshBuilder::build() {
-    const CellLoops loops{corners_, loops_, loopsOfCells_};
+    const CellLoops loops{points_, loops_, loopsOfCells_};
     std::vector<HalfFace> halves;
     for (Index cell = 0; cell < cellCount(); ++cell) {
         checkCancelledEvery(cell, 14);
@@ -468,14 +464,14 @@ VolumeMesh VolumeMeshBuilder::build() {
             data->neighbours.push_back(halves[mate].cell);
         }
     Rows<Index>& ofCells = data->facesOfCells;
-    ofCells.offsets.reserve(corners_.offsets.size());
+    ofCells.offsets.reserve(points_.offsets.size());
     for (Index half = 0, cell = 0; cell < cellCount(); ++cell) {
         checkCancelledEvery(cell, 14);
         for (; half < halfCount && halves[half].cell == cell; ++half)
             ofCells.values.push_back(faceOfHalf[half]);
         ofCells.offsets.push_back(static_cast<Offset>(ofCells.values.size()));
     }
-    data->corners = std::move(corners_);
+    data->points = std::move(points_);
     return VolumeMesh(std::move(data));
 }
 

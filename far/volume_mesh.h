@@ -18,6 +18,8 @@ namespace espalier::far {
 /// The cells of a volume mesh of a simulation: points, faces, and which cells the faces bound. It
 /// has no positions.
 ///
+/// Cells may be of second order (second_order_cells.h). Their faces name the corners alone.
+///
 /// A VolumeMesh is lighter than a CellComplex, since it is only checked and never refined: it has
 /// no edges, and its topology is not validated. A cell may be open or name a point twice, and two
 /// faces may have the same points (baffles). A million hexahedra take 0.2 GB and 0.7 s.
@@ -62,8 +64,16 @@ public:
     /// Returns the kind of a cell; nothing for a polyhedron.
     std::optional<StandardCell> kind(Index cell) const;
 
-    /// Returns the points of a standard cell in VTK's order (StandardCell); empty for a polyhedron.
+    /// Returns the corners of a standard cell in VTK's order (StandardCell); empty for a
+    /// polyhedron.
     std::span<const Index> corners(Index cell) const;
+
+    /// Returns all points of a standard cell: the corners, and in a cell of second order the points
+    /// between them, in the order of cellPoints(). Empty for a polyhedron.
+    std::span<const Index> points(Index cell) const;
+
+    /// Returns true if a cell has points between its corners, so that its edges may be curved.
+    bool isSecondOrder(Index cell) const;
 
 private:
     friend class VolumeMeshBuilder;
@@ -80,7 +90,7 @@ public:
     explicit VolumeMeshBuilder(Index pointCount) : pointCount_(pointCount) {}
 
     /// Adds a tetrahedron, pyramid, wedge or hexahedron. Returns its number.
-    /// \param points in VTK's order
+    /// \param points in VTK's order; those of a cell of second order as in cellPoints()
     /// \throws TopologyError if the number of points is wrong, or if a point does not exist
     Index addCell(StandardCell cell, std::span<const Index> points);
     Index addCell(StandardCell cell, std::initializer_list<Index> points) {
@@ -92,7 +102,7 @@ public:
     /// \throws TopologyError if a face has fewer than three points, or if a point does not exist
     Index addCell(std::span<const std::vector<Index>> loops);
 
-    Index cellCount() const { return static_cast<Index>(corners_.offsets.size() - 1); }
+    Index cellCount() const { return static_cast<Index>(points_.offsets.size() - 1); }
 
     /// Returns the mesh. The builder must not be used afterwards.
     /// \throws TopologyError if there are too many faces
@@ -103,7 +113,7 @@ private:
     void checkPoints(std::span<const Index> points, Index cell) const;
 
     Index pointCount_;
-    Rows<Index> corners_;       ///< the corners of each cell; empty rows for polyhedra
+    Rows<Index> points_;        ///< the points of each cell; empty rows for polyhedra
     Rows<Index> loops_;         ///< the faces of polyhedra
     Rows<Index> loopsOfCells_;  ///< the rows of loops_ of each cell
 };

@@ -183,6 +183,7 @@ std::pair<Trivariate<Degree, 4>, Trivariate<Degree, 4>> partsInTime(
     ESPALIER_INSTANTIATE_HALVES(DeterminantDegree, 2)                                      \
     ESPALIER_INSTANTIATE_HALVES(DeterminantDegree, 4)
 ESPALIER_INSTANTIATE(1, 2)
+ESPALIER_INSTANTIATE(2, 5)
 ESPALIER_INSTANTIATE(3, 8)
 
 namespace {
@@ -462,12 +463,15 @@ ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
 
 template bool isPositive(const Trivariate<0, 1>&);
 template bool isPositive(const Trivariate<2, 1>&);
+template bool isPositive(const Trivariate<5, 1>&);
 template bool isPositive(const Trivariate<8, 1>&);
 template double leastQuotient(const Trivariate<0, 2>&);
 template double leastQuotient(const Trivariate<2, 2>&);
+template double leastQuotient(const Trivariate<5, 2>&);
 template double leastQuotient(const Trivariate<8, 2>&);
 template ProvedTime positiveUpTo(const Trivariate<0, 4>&, double);
 template ProvedTime positiveUpTo(const Trivariate<2, 4>&, double);
+template ProvedTime positiveUpTo(const Trivariate<5, 4>&, double);
 template ProvedTime positiveUpTo(const Trivariate<8, 4>&, double);
 
 }  // namespace espalier::solve

@@ -11,12 +11,11 @@
 // Jacobian determinants as Bernstein polynomials, and proofs that they are positive.
 //
 // The determinant of a linear map, of a tetrahedron, is constant. The determinant of a trilinear
-// map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; the determinant of a tricubic map has
-// degree (8, 8, 8) and 729 coefficients. All values in the cube
-// are between the smallest and the largest coefficient, and the coefficients at the corners are
-// values. Each halving of the cube reduces the gap between coefficients and values to a fourth. So
-// the coefficients can prove that a determinant is positive in the whole cell, which samples can
-// only suggest.
+// map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; of a triquadratic map (5, 5, 5) and
+// 216; of a tricubic map (8, 8, 8) and 729. All values in the cube are between the smallest and the
+// largest coefficient, and the coefficients at the corners are values. Each halving of the cube
+// reduces the gap between coefficients and values to a fourth. So the coefficients can prove that a
+// determinant is positive in the whole cell, which samples can only suggest.
 //
 // The proofs halve the cube until the coefficients decide, up to a limit. An answer "no" may
 // therefore also mean that no proof was found.
@@ -57,7 +56,7 @@ struct Derivatives<0> : std::array<std::array<Point3, 1>, 3> {};
 template <std::size_t Degree>
 inline constexpr std::size_t kDeterminantDegree = Degree == 0 ? 0 : 3 * Degree - 1;
 
-/// Returns the determinant of the Jacobian, for maps of degree 0, 1 and 3.
+/// Returns the determinant of the Jacobian, for maps of degree 0 to 3.
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives);
 

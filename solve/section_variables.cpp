@@ -44,8 +44,8 @@ SectionVariables::SectionVariables(std::span<const Point3> positions, const Sect
     const Point3 chord = scaledNearOne(options.chord);
     const Point3 across = difference(chord, scaled(axis_, dot(chord, axis_)));
     // Less is the rounding of a parallel vector.
-    constexpr double kRounding = 1e-9;
-    if (!(length(across) > kRounding * length(chord)))
+    constexpr double kParallel = 1e-9;
+    if (!(length(across) > kParallel * length(chord)))
         refuseVector("chord", options.chord,
                      "a vector other than 0 that is not parallel to the axis");
     chord_ = normalised(across);

@@ -183,6 +183,14 @@ ValidityCheck::ValidityCheck(const far::VolumeMesh& mesh, std::span<const Point3
           }(),
           rest) {}
 
+ValidityCheck::ValidityCheck(const far::SurfaceMesh& mesh, std::span<const Point3> rest)
+    : ValidityCheck(
+          [&] {
+              checkPositions(mesh.pointCount(), rest, "rest");
+              return CheckedVolume(mesh, rest);
+          }(),
+          rest) {}
+
 ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest)
     : volume_(std::make_shared<const CheckedVolume>(std::move(checked))) {
     const CheckedVolume& volume = *volume_;
@@ -234,7 +242,7 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxS
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.vertexCount(), pose, "pose");
     const auto& rest = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
-    // The centres of a mesh, which follow the vertices, are left out.
+    // The centres or normals of a mesh, which follow the vertices, are left out.
     std::vector<Point3> ends(rest.begin(), rest.begin() + volume.vertexCount());
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/surface_mesh.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/limit/limit_parts.h>
@@ -81,7 +82,8 @@ class CheckedVolume;
 ///
 /// - 6e-14 of the product of the longest edges along the three axes (for cells of type 4 and above,
 ///   of the cube of the size; for a patch, of the largest derivatives);
-/// - its change when coordinates change by 4e-15 of the largest coordinate (for a patch 4e-14).
+/// - its change when coordinates change by 4e-15 of the largest coordinate (for a patch 4e-14,
+///   for a cell of second order 3e-13).
 ///
 /// On the way to a pose, both are doubled. Where the smallest ratio is not at a corner, ratios
 /// below about 1e-6 of the largest count as 0, too. Rounding grows with the length of the way, also
@@ -113,13 +115,28 @@ public:
     /// join its centre, the centre of a face and an edge of that face. The centres are those that
     /// OpenFOAM computes at rest (its decomposition FACE_CENTRE_TRIS), as means of the points of
     /// the cell with fixed weights: so they move linearly with the points, and each determinant is
-    /// a cubic polynomial on the way to a pose.
+    /// a cubic polynomial on the way to a pose. Cells of second order are checked all over, too: as
+    /// triquadratic maps of a cube, of which a side or an edge is collapsed (30 µs per cell).
     ///
     /// \param mesh kept (a cheap copy)
     /// \param rest positions of its points at rest; copied
     /// \throws Error if `rest` does not fit, or a coordinate is not finite or beyond ±1e90
     /// \cost O(points of cells), in parallel
     ValidityCheck(const far::VolumeMesh& mesh, std::span<const Point3> rest);
+
+    /// Prepares to check the faces of a surface, which are its cells in all results. Volumes are
+    /// areas along a normal here, all over the face. If the mesh lies in a plane, at rest and in
+    /// the pose (within a millionth of its size), this is the normal of the plane, with the
+    /// direction that gives the face a positive area at rest. In all other cases it is the normal
+    /// of the face at rest, turned by the rotation that moves the face and its neighbours best: a
+    /// surface in space may turn as a whole, and a face is inverted if it turns over against its
+    /// neighbours.
+    ///
+    /// \param mesh kept (a copy)
+    /// \param rest positions of its points at rest; copied
+    /// \throws Error if `rest` does not fit, or a coordinate is not finite or beyond ±1e90
+    /// \cost O(points of faces), in parallel
+    ValidityCheck(const far::SurfaceMesh& mesh, std::span<const Point3> rest);
 
     /// The cells that are flat, folded or inside out at rest, ascending. A cell is inside out if
     /// its orientation differs from that of most cells in its connected component (joined by
