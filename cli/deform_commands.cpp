@@ -96,7 +96,7 @@ void orWarning(const DeformOptions& options, const std::string& what, F f) {
     } catch (const MemoryError&) {
         throw;
     } catch (const Error& error) {
-        if (options.mesh.noInverted || options.mesh.largestStep) throw;
+        if (options.mesh.isRequired()) throw;
         printError(("warning: " + what + error.what()).c_str());
     }
 }
@@ -117,14 +117,14 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
     for (std::size_t i = 0; check && options.mesh.noInverted && i < poses.size(); ++i) {
         auto points = deformation.pointsAt(poses[i], stages);
         check->requireValid(check->check(points, options.poses[i], options.mesh, stages),
-                            options.poses[i]);
+                            options.poses[i], options.mesh);
     }
     MeshReports reports;
     const auto pointsOf = [&](std::size_t i) {
         auto points = deformation.pointsAt(poses[i], stages);
         if (!check) return points;
         orWarning(options, "cells not checked: ", [&] {
-            const MeshVerdict verdict =
+            const solve::MeshVerdict verdict =
                 check->check(points, options.poses[i], options.mesh, stages);
             reports.text += check->text(verdict, options.poses[i]);
             reports.json.push_back(check->toJson(verdict, options.poses[i]));
@@ -158,16 +158,13 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
 const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
                                const DeformOptions& options) {
     if (!check) return nullptr;
-    const bool isRequired = options.mesh.noInverted || options.mesh.largestStep;
     if (check->hasCells()) return &*check;
-    if (!isRequired)
-        return check->curvedCells() > 0 || check->unknownElements() > 0 ? &*check : nullptr;
+    if (!options.mesh.isRequired()) return check->unchecked().empty() ? nullptr : &*check;
     const char* option = options.mesh.noInverted ? "--no-inverted" : "--largest-step";
-    if (check->curvedCells() > 0)
-        throw io::FileError(
-            options.model,
-            concat("has ", check->curvedCells(), " cells of a volume, all with curved edges, and ",
-                   option, " checks only cells with straight edges"));
+    if (!check->unchecked().empty())
+        throw io::FileError(options.model, concat("has ", check->unchecked()[0].count, " ",
+                                                  check->unchecked()[0].name, ", which ", option,
+                                                  " cannot check, and no other cells"));
     throw io::FileError(
         options.model, concat("has no cells of a volume, so there is nothing to check for ", option,
                               options.rest.empty() ? "; the faces of an OpenFOAM mesh are not "
@@ -267,8 +264,7 @@ void runDeform(const DeformOptions& options) {
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const bind::Binding binding =
         bindModel(options, *model, rest, stages, asksForDirections(*model, options));
-    const bool isChecked =
-        !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
+    const bool isChecked = !options.common.quiet || options.mesh.isRequired();
     std::optional<MeshCheck> check;
     if (isChecked) {
         io::ModelVolume volume = readVolume(*model, stages);
@@ -335,7 +331,7 @@ void runApply(const DeformOptions& options) {
     const auto poses = readPoses(options.poses, read, stages);
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
-    if (options.mesh.noInverted || options.mesh.largestStep)
+    if (options.mesh.isRequired())
         check.emplace(options.model, *model, readVolume(*model, stages), options.output,
                       options.poses.size(), stages);
     const MeshReports meshes =

@@ -19,8 +19,8 @@
 namespace espalier::cli {
 namespace {
 
-constexpr std::array<const char*, 5> kKindNames = {"tetrahedra", "pyramids", "wedges", "hexahedra",
-                                                   "polyhedra"};
+constexpr std::array<const char*, 7> kKindNames = {
+    "tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra", "triangles", "quadrilaterals"};
 
 template <class Value>
 OrderedJson valueOrNull(const std::optional<Value>& value) {
@@ -34,6 +34,7 @@ OrderedJson qualityJson(const solve::MeshQuality& quality) {
                                            ? OrderedJson(quality.meanNonOrthogonality)
                                            : OrderedJson(nullptr)},
             {"severely_non_orthogonal", quality.severelyNonOrthogonal},
+            {"beyond_right_angle", quality.beyondRightAngle},
             {"skewness", valueOrNull(quality.largestSkewness)},
             {"smallest_volume", valueOrNull(quality.smallestVolume)},
             {"non_positive_volumes", quality.nonPositiveVolumes.size()},
@@ -61,30 +62,26 @@ std::string shareText(double share, int digits = 12) {
     return textOf(share - unit / 2);
 }
 
-/// Returns the point at a share of the way from rest to a pose.
-std::vector<Point3> between(std::span<const Point3> rest, std::span<const Point3> pose,
-                            double share) {
-    std::vector<Point3> points(rest.begin(), rest.end());
-    for (std::size_t point = 0; point < points.size(); ++point)
-        for (std::size_t c = 0; c < 3; ++c)
-            points[point][c] += share * (pose[point][c] - points[point][c]);
-    return points;
-}
-
 }  // namespace
 
 void addMeshOptions(CLI::App& command, MeshOptions& options) {
+    const char* group = "Only for meshes of simulations";
     CLI::Option* none =
         command
             .add_flag("--no-inverted", options.noInverted,
                       "Of a mesh with cells: write nothing, with exit code 3, if a pose inverts a "
                       "cell")
-            ->group("Only for meshes of volumes");
+            ->group(group);
     command
         .add_flag("--largest-step", options.largestStep,
                   "Of a mesh with cells: go only as far towards the pose as no cell is inverted")
-        ->group("Only for meshes of volumes")
+        ->group(group)
         ->excludes(none);
+    addChoice<solve::Criterion>(
+        command, "--criterion", options.criterion, solve::kCriterionWords,
+        "The poses that these options accept: no cell is inverted anywhere (exact), or the volumes "
+        "are positive, and OpenFOAM's checkMesh finds no further error (solver)")
+        ->group(group);
 }
 
 io::ModelVolume readVolume(const io::Model& model, Stages& stages) {
@@ -99,63 +96,45 @@ MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
                      std::size_t poseCount, Stages& stages)
     : path_(path),
       output_(output),
-      isAnimation_(io::isAnimation(output, poseCount)),
-      model_(model),
-      volume_(std::move(volume)) {
-    if (!hasCells()) return;
+      isOpenFoam_(volume.isOpenFoam),
+      unchecked_(io::uncheckedElements(volume)) {
+    if (volume.count() == 0) return;
     stages.run("checking cells", [&] {
-        const far::VolumeMesh& mesh = volume_.mesh;
+        const far::VolumeMesh& mesh = volume.mesh;
         for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
+            constexpr std::size_t kPolyhedron = 4;
             const auto kind = mesh.kind(cell);
-            ++kinds_[kind ? static_cast<std::size_t>(*kind) : 4];
+            ++kinds_[kind ? static_cast<std::size_t>(*kind) : kPolyhedron];
+            secondOrder_ += mesh.isSecondOrder(cell) ? 1 : 0;
         }
-        check_ = ofFile(path, [&] { return solve::ValidityCheck(mesh, model.positions()); });
-        before_ = solve::meshQuality(mesh, model.positions());
+        const far::SurfaceMesh& surface = volume.surface;
+        for (Index face = 0; face < surface.faceCount(); ++face) {
+            constexpr std::size_t kTriangle = 5, kQuadrilateral = 6;
+            ++kinds_[surface.corners(face).size() == 3 ? kTriangle : kQuadrilateral];
+            secondOrder_ += surface.isSecondOrder(face) ? 1 : 0;
+        }
+        const bool isAnimation = io::isAnimation(output, poseCount);
+        const auto stored = [&model, output, isAnimation](std::vector<Point3> points) {
+            return isAnimation ? io::storedInAnimation(output, model, std::move(points))
+                               : model.stored(std::move(points));
+        };
+        check_ = ofFile(path, [&] {
+            return solve::MeshCheck(
+                {std::move(volume.mesh), std::move(volume.surface), volume.isOpenFoam, stored},
+                model.positions());
+        });
     });
 }
 
-bool MeshCheck::isSound(const solve::PoseValidity& validity,
-                        const solve::MeshQuality& quality) const {
-    // OpenFOAM computes new centres of faces in the pose. With these centres, a polyhedron with
-    // bent faces may have no positive volume, although each of its tetrahedra in `validity` is
-    // valid.
-    return validity.inverted.empty() &&
-           std::ranges::includes(before_.nonPositiveVolumes, quality.nonPositiveVolumes);
-}
-
-std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
-    return isAnimation_ ? io::storedInAnimation(output_, model_, std::move(points))
-                        : model_.stored(std::move(points));
-}
-
-MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& poseName,
-                             const MeshOptions& options, Stages& stages) const {
+solve::MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& poseName,
+                                    const MeshOptions& options, Stages& stages) const {
     if (!hasCells()) return {};
     return stages.run("checking cells", [&] {
-        MeshVerdict verdict;
-        const std::vector<Point3> pose = stored(points);
-        verdict.validity = ofFile(poseName, [&] { return check_->check(pose); });
-        verdict.step = check_->largestStep(pose);
-        verdict.quality = solve::meshQuality(volume_.mesh, pose);
-        if (!options.largestStep) return verdict;
-        // The step is proved for exact points. Rounding to the numbers of the file can make it
-        // shorter; then it is shortened by ever larger parts.
-        verdict.written = verdict.step.length;
-        solve::PoseValidity validity = verdict.validity;
-        for (double shorten = 0x1p-40; verdict.written > 0; shorten *= 2) {
-            points = verdict.written == 1
-                         ? pose
-                         : stored(between(model_.positions(), pose, verdict.written));
-            if (verdict.written < 1) {
-                validity = check_->check(points);
-                verdict.quality = solve::meshQuality(volume_.mesh, points);
-            }
-            if (isSound(validity, verdict.quality)) return verdict;
-            verdict.written = std::max(0.0, verdict.step.length * (1 - shorten));
-        }
-        points = stored({model_.positions().begin(), model_.positions().end()});
-        verdict.quality = solve::meshQuality(volume_.mesh, points);
-        if (!isSound(check_->check(points), verdict.quality))
+        const solve::MeshVerdict verdict = ofFile(poseName, [&] {
+            return options.largestStep ? check_->shorten(points, options.criterion)
+                                       : check_->check(points);
+        });
+        if (!verdict.isRestValid)
             throw FailedCheck(
                 fmt::format("{}: rounded to the floats of this format, cells of {} are inside out "
                             "even at rest; "
@@ -165,37 +144,55 @@ MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& pos
     });
 }
 
-void MeshCheck::requireValid(const MeshVerdict& verdict, const std::string& pose) const {
-    const auto firstOf = [&](const std::vector<Index>& now) {
-        const auto& before = before_.nonPositiveVolumes;
-        return *std::ranges::find_if_not(
-            now, [&](Index cell) { return std::ranges::binary_search(before, cell); });
-    };
-    const auto& inverted = verdict.validity.inverted;
-    if (!inverted.empty())
-        throw FailedCheck(fmt::format(
-            "{}: this pose turns {} of {} cells of {} inside out, the first cell {}; nothing was "
-            "written. --largest-step goes {} of the way",
-            io::shownPath(pose), inverted.size(), volume_.mesh.cellCount(), io::shownPath(path_),
-            inverted.front(), shareText(verdict.step.length, 6)));
-    if (!isSound(verdict.validity, verdict.quality))
-        throw FailedCheck(
-            fmt::format("{}: in this pose, cell {} of {} has no positive volume by OpenFOAM's "
-                        "formula; nothing was "
-                        "written",
-                        io::shownPath(pose), firstOf(verdict.quality.nonPositiveVolumes),
-                        io::shownPath(path_)));
+std::string MeshCheck::cellName() const {
+    return isSurface() ? "face" : "cell";
 }
 
-void MeshCheck::warn(const MeshVerdict& verdict, const std::string& pose) const {
+std::string MeshCheck::solverName() const {
+    return isOpenFoam_ ? "checkMesh" : "a solver";
+}
+
+void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::string& pose,
+                             const MeshOptions& options) const {
+    if (check_->accepts(verdict, options.criterion)) return;
+    if (options.criterion == solve::Criterion::Solver)
+        throw FailedCheck(fmt::format(
+            "{}: in this pose of {}, {} finds {} errors more than at rest; nothing was written. "
+            "--largest-step goes {} of the way",
+            io::shownPath(pose), io::shownPath(path_), solverName(),
+            check_->solverErrors(verdict.whole), shareText(verdict.solverStep, 6)));
+    const auto& inverted = verdict.validity.inverted;
+    if (!inverted.empty())
+        throw FailedCheck(
+            fmt::format("{0}: this pose turns {1} of {2} {3}s of {4} inside out, the first {3} "
+                        "{5}; nothing was "
+                        "written. --largest-step goes {6} of the way",
+                        io::shownPath(pose), inverted.size(), check_->cellCount(), cellName(),
+                        io::shownPath(path_), inverted.front(), shareText(verdict.step.length, 6)));
+    const auto& before = check_->qualityAtRest().nonPositiveVolumes;
+    const Index first = *std::ranges::find_if_not(
+        verdict.whole.nonPositiveVolumes,
+        [&](Index cell) { return std::ranges::binary_search(before, cell); });
+    throw FailedCheck(
+        fmt::format("{}: in this pose, cell {} of {} has no positive volume by OpenFOAM's "
+                    "formula; nothing was "
+                    "written",
+                    io::shownPath(pose), first, io::shownPath(path_)));
+}
+
+void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose) const {
     const auto& inverted = verdict.validity.inverted;
     if (inverted.empty() || verdict.written < 1) return;
+    const std::string ofSolver = check_->solverErrors(verdict.whole) > 0
+                                     ? fmt::format("--criterion solver as far as {} accepts it, {}",
+                                                   solverName(), shareText(verdict.solverStep, 6))
+                                     : fmt::format("{} accepts the whole pose", solverName());
     printError(
-        fmt::format("warning: {} turns {} of {} cells of the mesh inside out, the first cell "
-                    "{}. --largest-step goes as far as no cell is inverted, {} of the "
-                    "way; --no-inverted writes nothing",
-                    io::shownPath(pose), inverted.size(), volume_.mesh.cellCount(),
-                    inverted.front(), shareText(verdict.step.length, 6))
+        fmt::format("warning: {0} turns {1} of {2} {3}s of the mesh inside out, the first {3} "
+                    "{4}. --largest-step goes as far as no {3} is inverted, {5} of the way ({6}); "
+                    "--no-inverted writes nothing",
+                    io::shownPath(pose), inverted.size(), check_->cellCount(), cellName(),
+                    inverted.front(), shareText(verdict.step.length, 6), ofSolver)
             .c_str());
 }
 
@@ -205,68 +202,81 @@ std::string MeshCheck::kindsText() const {
         if (kinds_[kind] > 0)
             text +=
                 fmt::format("{}{} {}", text.empty() ? "" : ", ", kinds_[kind], kKindNames[kind]);
+    if (secondOrder_ > 0) text += fmt::format("; {} of second order", secondOrder_);
     return text;
 }
 
-std::string MeshCheck::text(const MeshVerdict& verdict, const std::string& pose) const {
+std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string& pose) const {
     std::string text;
     const auto line = [&]<class... Values>(fmt::format_string<Values...> format,
                                            Values&&... values) {
         fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
     };
-    const auto& [validity, step, after, written] = verdict;
+    const solve::PoseValidity& validity = verdict.validity;
+    const solve::LargestStep& step = verdict.step;
     line("mesh of {}\n", io::shownPath(pose));
-    if (hasCells()) line("  cells             {}\n", kindsText());
-    if (volume_.curvedCells > 0)
-        line("  not checked       {} cells with curved edges\n", volume_.curvedCells);
-    if (volume_.unknownElements > 0)
-        line("  not checked       {} elements of unknown types\n", volume_.unknownElements);
+    if (hasCells()) line("  {:<17} {}\n", cellName() + "s", kindsText());
+    for (const auto& [count, name] : unchecked_) line("  not checked       {} {}\n", count, name);
     if (!hasCells()) return text;
+    const std::string cell = cellName();
     if (const auto& bad = check_->badAtRest(); !bad.empty())
-        line("  folded at rest    {}, the first cell {}; they do not count below\n", bad.size(),
+        line("  folded at rest    {}, the first {} {}; they do not count below\n", bad.size(), cell,
              bad.front());
     if (validity.inverted.empty())
         line("  inverted          0\n");
     else
-        line("  inverted          {}, the first cell {}\n", validity.inverted.size(),
+        line("  inverted          {}, the first {} {}\n", validity.inverted.size(), cell,
              validity.inverted.front());
+    const char* measure = isSurface() ? "area" : "volume";
     if (validity.smallest)
-        line("  worst ratio       {:.3g} (volume in the pose : at rest), cell {}\n",
-             validity.smallest->value, validity.smallest->cell);
+        line("  worst ratio       {:.3g} ({} in the pose : at rest), {} {}\n",
+             validity.smallest->value, measure, cell, validity.smallest->cell);
     if (step.limitingCell)
-        line("  largest step      {}{} of the pose inverts no cell; then cell {} {}\n",
-             step.isTight ? "" : "at least ", shareText(step.length), *step.limitingCell,
-             step.isTight ? "folds" : "may fold");
+        line("  largest step      {}{} of the pose inverts no {}; then {} {} {}\n",
+             step.isTight ? "" : "at least ", shareText(step.length), cell, cell,
+             *step.limitingCell, step.isTight ? "folds" : "may fold");
     else
-        line("  largest step      1: no share of the pose inverts a cell\n");
-    if (written < 1) line("  written           {} of the pose\n", shareText(written));
+        line("  largest step      1: no share of the pose inverts a {}\n", cell);
+    if (const Index errors = check_->solverErrors(verdict.whole); errors > 0)
+        line("  for {:<13} {} errors; {} of the pose has none\n", solverName(), errors,
+             shareText(verdict.solverStep, 3));
+    else if (!validity.inverted.empty())
+        line("  for {:<13} 0 errors in the whole pose\n", solverName());
+    if (verdict.written < 1)
+        line("  written           {} of the pose\n", shareText(verdict.written));
     line("  quality               before      after\n");
     const auto row = [&line](const char* name, const std::string& before, const std::string& now,
                              const char* meaning) {
         line("    {:<18} {:>9}  {:>9}  {}\n", name, before, now, meaning);
     };
-    row("scaled Jacobian", valueText(before_.smallestScaledJacobian),
+    const solve::MeshQuality &before = check_->qualityAtRest(), &after = verdict.quality;
+    row("scaled Jacobian", valueText(before.smallestScaledJacobian),
         valueText(after.smallestScaledJacobian), "at least");
-    row("non-orthogonality", valueText(before_.largestNonOrthogonality),
+    if (isSurface()) {
+        row("areas below 0", std::to_string(before.nonPositiveVolumes.size()),
+            std::to_string(after.nonPositiveVolumes.size()), "faces");
+        return text;
+    }
+    row("non-orthogonality", valueText(before.largestNonOrthogonality),
         valueText(after.largestNonOrthogonality), "degrees at most");
-    row("  its mean", fmt::format("{:.4g}", before_.meanNonOrthogonality),
+    row("  its mean", fmt::format("{:.4g}", before.meanNonOrthogonality),
         fmt::format("{:.4g}", after.meanNonOrthogonality), "degrees");
-    row("skewness", valueText(before_.largestSkewness), valueText(after.largestSkewness),
-        "at most");
-    row("volumes below 0", std::to_string(before_.nonPositiveVolumes.size()),
+    row("skewness", valueText(before.largestSkewness), valueText(after.largestSkewness), "at most");
+    row("volumes below 0", std::to_string(before.nonPositiveVolumes.size()),
         std::to_string(after.nonPositiveVolumes.size()), "cells, by OpenFOAM's formula");
-    row("pyramids below 0", std::to_string(before_.negativePyramids),
+    row("pyramids below 0", std::to_string(before.negativePyramids),
         std::to_string(after.negativePyramids), "sides of faces, as checkMesh counts them");
     return text;
 }
 
-OrderedJson MeshCheck::toJson(const MeshVerdict& verdict, const std::string& pose) const {
+OrderedJson MeshCheck::toJson(const solve::MeshVerdict& verdict, const std::string& pose) const {
     OrderedJson cells = OrderedJson::object();
     for (std::size_t kind = 0; kind < kinds_.size(); ++kind) cells[kKindNames[kind]] = kinds_[kind];
     OrderedJson json = {{"pose", pose},
                         {"cells", cells},
-                        {"curved_cells", volume_.curvedCells},
-                        {"unknown_elements", volume_.unknownElements}};
+                        {"second_order", secondOrder_},
+                        {"not_checked", OrderedJson::object()}};
+    for (const auto& [count, name] : unchecked_) json["not_checked"][name] = count;
     if (!hasCells()) return json;
     const auto& smallest = verdict.validity.smallest;
     const auto& limiting = verdict.step.limitingCell;
@@ -280,8 +290,12 @@ OrderedJson MeshCheck::toJson(const MeshVerdict& verdict, const std::string& pos
          {{"length", verdict.step.length},
           {"limiting_cell", limiting ? OrderedJson(*limiting) : OrderedJson(nullptr)},
           {"is_tight", verdict.step.isTight}}},
+        {"solver",
+         {{"errors", check_->solverErrors(verdict.whole)}, {"largest_step", verdict.solverStep}}},
         {"written", verdict.written},
-        {"quality", {{"before", qualityJson(before_)}, {"after", qualityJson(verdict.quality)}}}});
+        {"quality",
+         {{"before", qualityJson(check_->qualityAtRest())},
+          {"after", qualityJson(verdict.quality)}}}});
     return json;
 }
 

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <espalier/io/model.h>
-#include <espalier/solve/mesh_quality.h>
-#include <espalier/solve/validity.h>
+#include <espalier/solve/mesh_check.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -18,23 +16,17 @@
 
 namespace espalier::cli {
 
-/// The options of commands that deform the mesh of a volume.
+/// The options of commands that deform the mesh of a simulation.
 struct MeshOptions {
     bool noInverted = false;   ///< refuse to write a pose that inverts cells
     bool largestStep = false;  ///< go only as far towards the pose as no cell is inverted
+    solve::Criterion criterion = solve::Criterion::Exact;
+
+    bool isRequired() const { return noInverted || largestStep; }
 };
 
-/// Adds --no-inverted and --largest-step to a command.
+/// Adds --no-inverted, --largest-step and --criterion to a command.
 void addMeshOptions(CLI::App& command, MeshOptions& options);
-
-/// The effect of a pose on the cells of a mesh.
-struct MeshVerdict {
-    solve::PoseValidity validity;
-    solve::LargestStep step;
-    solve::MeshQuality quality;  ///< the quality of the points that are written
-
-    double written = 1;  ///< the share of the pose that is written
-};
 
 /// Reads the cells of a model in the stage "reading".
 /// \throws Error if the file of the model, or a file beside it, is broken
@@ -53,41 +45,38 @@ public:
               const std::filesystem::path& output, std::size_t poseCount, Stages& stages);
 
     /// False if the model has no cells that can be checked.
-    bool hasCells() const { return volume_.mesh.cellCount() > 0; }
+    bool hasCells() const { return check_.has_value(); }
 
-    /// Number of cells that are not checked, since their edges are curved.
-    Index curvedCells() const { return volume_.curvedCells; }
-
-    /// Number of elements that are not checked, since their types are not known.
-    Index unknownElements() const { return volume_.unknownElements; }
+    /// The elements that are not checked.
+    const std::vector<io::UncheckedElements>& unchecked() const { return unchecked_; }
 
     /// Checks a pose in the stage "checking cells". With --largest-step, moves `points` back
-    /// towards rest until no cell is inverted.
+    /// towards rest until the pose is valid.
     ///
     /// \param points deformed points, one per point of the model. The check and the quality are
     ///        computed after the points are rounded to the precision of the output
-    MeshVerdict check(std::vector<Point3>& points, const std::string& pose,
-                      const MeshOptions& options, Stages& stages) const;
+    solve::MeshVerdict check(std::vector<Point3>& points, const std::string& pose,
+                             const MeshOptions& options, Stages& stages) const;
 
-    /// Throws a FailedCheck if cells are inverted at the points of a verdict, or have no positive
-    /// volume.
-    ///
+    /// Throws a FailedCheck if the criterion refuses a pose.
     /// \param pose its path
-    void requireValid(const MeshVerdict& verdict, const std::string& pose) const;
+    void requireValid(const solve::MeshVerdict& verdict, const std::string& pose,
+                      const MeshOptions& options) const;
 
     /// Prints a warning to standard error if a pose inverts cells.
-    void warn(const MeshVerdict& verdict, const std::string& pose) const;
+    void warn(const solve::MeshVerdict& verdict, const std::string& pose) const;
 
     /// Returns a report of several lines. Of a mesh without cells that can be checked, it tells
     /// only what is not checked.
-    std::string text(const MeshVerdict& verdict, const std::string& pose) const;
+    std::string text(const solve::MeshVerdict& verdict, const std::string& pose) const;
 
     /// Returns an object with these keys:
     ///
     ///     pose                its path
-    ///     cells               {tetrahedra, pyramids, wedges, hexahedra, polyhedra}: their numbers
-    ///     curved_cells        number of cells that are not checked, since their edges are curved
-    ///     unknown_elements    number of elements of types that are not known here
+    ///     cells               {tetrahedra, pyramids, wedges, hexahedra, polyhedra, triangles,
+    ///                         quadrilaterals}: their numbers
+    ///     second_order        how many of these are of second order
+    ///     not_checked         {name: number} of the elements that are not checked
     ///
     /// and if there are cells to check:
     ///
@@ -97,27 +86,29 @@ public:
     ///     smallest_ratio      {cell, volume_ratio}: the smallest volume ratio of the pose; null if
     ///                         all cells are bad at rest
     ///     largest_step        {length, limiting_cell, is_tight}: as in check_command.cpp
+    ///     solver              {errors, largest_step}: the errors that a solver would find in the
+    ///                         whole pose, and the largest share that it accepts (MeshVerdict)
     ///     written             share of the pose that is written: 1 without --largest-step
     ///     quality             {before, after}: of the points at rest and of the points written,
     ///                         {scaled_jacobian, non_orthogonality, mean_non_orthogonality,
-    ///                         severely_non_orthogonal, skewness, smallest_volume,
-    ///                         non_positive_volumes, negative_pyramids} (solve/mesh_quality.h);
-    ///                         null where nothing has the measure
-    OrderedJson toJson(const MeshVerdict& verdict, const std::string& pose) const;
+    ///                         severely_non_orthogonal, beyond_right_angle, skewness,
+    ///                         smallest_volume, non_positive_volumes, negative_pyramids}
+    ///                         (solve/mesh_quality.h); null where nothing has the measure
+    OrderedJson toJson(const solve::MeshVerdict& verdict, const std::string& pose) const;
 
 private:
-    bool isSound(const solve::PoseValidity& validity, const solve::MeshQuality& quality) const;
-    std::vector<Point3> stored(std::vector<Point3> points) const;
     std::string kindsText() const;
+    bool isSurface() const { return kinds_[5] + kinds_[6] > 0; }
+    std::string cellName() const;
+    std::string solverName() const;
 
     std::filesystem::path path_;
     std::filesystem::path output_;
-    bool isAnimation_;
-    const io::Model& model_;
-    io::ModelVolume volume_;
-    std::array<Index, 5> kinds_ = {};  ///< numbers of the standard cells, and of polyhedra
-    std::optional<solve::ValidityCheck> check_;
-    solve::MeshQuality before_;
+    std::array<Index, 7> kinds_ = {};  ///< tetrahedra to hexahedra, polyhedra, triangles, quads
+    Index secondOrder_ = 0;
+    bool isOpenFoam_ = false;
+    std::vector<io::UncheckedElements> unchecked_;
+    std::optional<solve::MeshCheck> check_;
 };
 
 }  // namespace espalier::cli

@@ -125,6 +125,17 @@ void ModelSurface::replaceFaces(
     faceMaterials = std::move(newMaterials);
 }
 
+std::vector<UncheckedElements> uncheckedElements(const ModelVolume& volume) {
+    std::vector<UncheckedElements> all = {
+        {volume.curvedCells, "cells of third order and above or of an unknown order of points"},
+        {volume.curvedFaces, "faces of third order and above or of an unknown order of points"},
+        {volume.polygons, "faces with more than 4 corners"},
+        {volume.facesBeside, "faces of surfaces that are no faces of cells"},
+        {volume.unknownElements, "elements of unknown types"}};
+    std::erase_if(all, [](const UncheckedElements& elements) { return elements.count == 0; });
+    return all;
+}
+
 ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
     ModelFaces faces;
     for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face) {

@@ -5,6 +5,7 @@
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/base/progress.h>
+#include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
@@ -62,19 +63,47 @@ struct ModelFaces {
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
 };
 
-/// The cells of a model, if it is a mesh of a volume.
+/// The cells of a model, if it is a mesh of a simulation.
 struct ModelVolume {
-    /// The tetrahedra, pyramids, wedges, hexahedra and polyhedra, right-handed, in the order of the
-    /// file. Its points are positions().
+    /// The tetrahedra, pyramids, wedges and hexahedra of first and second order, and the polyhedra,
+    /// right-handed, in the order of the file. Its points are positions().
     far::VolumeMesh mesh;
 
-    /// Number of cells with curved edges, such as quadratic ones. They are not in `mesh`.
+    /// If the file has no cells of a volume: the triangles and quadrilaterals of first and second
+    /// order, in the order of the file.
+    far::SurfaceMesh surface;
+
+    /// Number of cells of a volume of third order and above, or whose order of points is not known.
+    /// They are not in `mesh`.
     Index curvedCells = 0;
+
+    /// The same number for faces of surfaces, and the number of faces with more than 4 corners.
+    /// They are not in `surface`.
+    Index curvedFaces = 0;
+    Index polygons = 0;
+
+    /// If the file has cells of a volume: the number of triangles and quadrilaterals of surfaces
+    /// that are no faces of these cells.
+    Index facesBeside = 0;
 
     /// Number of elements of types that the reader does not know. They are not in `mesh`, and may
     /// be cells of the volume or not.
     Index unknownElements = 0;
+
+    bool isOpenFoam = false;  ///< the format of the file
+
+    /// Number of cells in `mesh`, or of faces in `surface`.
+    Index count() const { return mesh.cellCount() + surface.faceCount(); }
 };
+
+/// Elements of a model that are in no check, with a name in the plural.
+struct UncheckedElements {
+    Index count;
+    const char* name;
+};
+
+/// Returns the elements of a mesh that are neither in `mesh` nor in `surface`.
+ESPALIER_API std::vector<UncheckedElements> uncheckedElements(const ModelVolume& volume);
 
 /// Returns the faces that only one cell of a volume has, each anticlockwise seen from outside.
 /// \cost O(points of faces)
@@ -243,8 +272,8 @@ public:
     /// \cost one pass over the file; O(n log n) for an STL
     virtual ModelSurface readSurface() const = 0;
 
-    /// Reads the cells of the volume from the file, or from the files beside it. The result is not
-    /// stored. It has no cells if the format or the file has none.
+    /// Reads the cells of a mesh from the file, or from the files beside it. The result is not
+    /// stored. It has no cells if the format is none of a mesh, or the file has none.
     ///
     /// Cells are right-handed: if most cells of a kind have a negative volume, all cells of this
     /// kind are turned, and each polyhedron is turned so that its volume is positive. (In

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/solve/mesh_quality.h>
-#include <espalier/solve/validity.h>
+#include <espalier/solve/mesh_check.h>
 
 #include <pybind11/stl.h>
 
@@ -18,36 +17,41 @@ using namespace py::literals;
 
 namespace {
 
-/// \throws Error if the model has no cells of a volume
+/// \throws Error if the model has no cells that can be checked
 io::ModelVolume volumeOf(const ModelFile& model) {
     io::ModelVolume volume = model.model->readVolume();
-    if (volume.mesh.cellCount() == 0 && volume.curvedCells > 0)
-        throw Error(concat("model: ", printable(model.name), " has ", volume.curvedCells,
-                           " cells of a volume, all with curved edges; only cells with straight "
-                           "edges can be checked"));
-    if (volume.mesh.cellCount() == 0)
-        throw Error(concat("model: ", printable(model.name), " has no cells of a volume"));
-    return volume;
+    if (volume.count() > 0) return volume;
+    const auto unchecked = io::uncheckedElements(volume);
+    throw Error(unchecked.empty()
+                    ? concat("model: ", printable(model.name), " has no cells")
+                    : concat("model: ", printable(model.name), " has ", unchecked[0].count, " ",
+                             unchecked[0].name, ", which cannot be checked, and no other cells"));
 }
 
 /// The cells of a model, and the check of its poses.
 class MeshCheck {
 public:
     explicit MeshCheck(std::shared_ptr<const ModelFile> model)
-        : model_(std::move(model)),
-          volume_(volumeOf(*model_)),
-          check_(volume_.mesh, model_->model->positions()) {}
+        : model_(std::move(model)), check_(makeCheck()) {}
 
-    const io::ModelVolume& volume() const { return volume_; }
-    const solve::ValidityCheck& check() const { return check_; }
+    const solve::MeshCheck& mesh() const { return check_; }
+    const solve::ValidityCheck& check() const { return check_.validity(); }
+    const std::vector<io::UncheckedElements>& unchecked() const { return unchecked_; }
     std::vector<Point3> toPoses(const ArrayLike& points) const {
         return toPoints(points, "points", model_->model->positions().size());
     }
 
 private:
+    solve::MeshCheck makeCheck() {
+        io::ModelVolume volume = volumeOf(*model_);
+        unchecked_ = io::uncheckedElements(volume);
+        return {{std::move(volume.mesh), std::move(volume.surface), volume.isOpenFoam, {}},
+                model_->model->positions()};
+    }
+
     std::shared_ptr<const ModelFile> model_;
-    io::ModelVolume volume_;
-    solve::ValidityCheck check_;
+    std::vector<io::UncheckedElements> unchecked_;
+    solve::MeshCheck check_;
 };
 
 template <class Value>
@@ -63,6 +67,7 @@ py::dict toDict(const solve::MeshQuality& quality) {
                                          ? py::object(py::float_(quality.meanNonOrthogonality))
                                          : py::none();
     dict["severely_non_orthogonal"] = quality.severelyNonOrthogonal;
+    dict["beyond_right_angle"] = quality.beyondRightAngle;
     dict["skewness"] = valueOrNone(quality.largestSkewness);
     dict["smallest_volume"] = valueOrNone(quality.smallestVolume);
     dict["non_positive_volumes"] = quality.nonPositiveVolumes.size();
@@ -74,24 +79,27 @@ py::dict toDict(const solve::MeshQuality& quality) {
 
 void addMeshCheck(py::module_& module) {
     py::class_<MeshCheck>(module, "MeshCheck", R"(
-Finds the cells of a volume mesh that a deformation turns inside out. A cell is checked all over its map:
-trilinear for a hexahedron; for a polyhedron linear on the tetrahedra of OpenFOAM's decomposition.
+Finds the cells of a mesh that a deformation turns inside out. A cell is checked all over its map:
+trilinear for a hexahedron; for a polyhedron linear on the tetrahedra of OpenFOAM's decomposition; quadratic
+for cells of second order. If the mesh has no cells of a volume, its triangles and quadrilaterals are checked.
 
-model : Model with cells of a volume, such as the mesh of an OpenFOAM case, or a .su2
+model : Model with cells, such as the mesh of an OpenFOAM case, or a .su2
 )")
         .def(py::init([](std::shared_ptr<const ModelFile> model) {
                  return withoutGil([&] { return std::make_unique<MeshCheck>(std::move(model)); });
              }),
              "model"_a.none(false))
         .def_property_readonly(
-            "cell_count", [](const MeshCheck& self) { return self.volume().mesh.cellCount(); },
+            "cell_count", [](const MeshCheck& self) { return self.mesh().cellCount(); },
             "Number of cells that are checked: int.")
         .def_property_readonly(
-            "curved_cells", [](const MeshCheck& self) { return self.volume().curvedCells; },
-            "Number of cells with curved edges, which are not checked: int.")
-        .def_property_readonly(
-            "unknown_elements", [](const MeshCheck& self) { return self.volume().unknownElements; },
-            "Number of elements of types that are not known here, which are not checked: int.")
+            "not_checked",
+            [](const MeshCheck& self) {
+                py::dict elements;
+                for (const auto& [count, name] : self.unchecked()) elements[name] = count;
+                return elements;
+            },
+            "The elements that are not checked: a dict of their names and numbers.")
         .def_property_readonly(
             "bad_at_rest", [](const MeshCheck& self) { return toArray(self.check().badAtRest()); },
             "The cells that are flat or folded at rest, ascending: array of int32.")
@@ -116,16 +124,40 @@ points : array (N, 3)
 most   : how far to look, up to 1e6; 1 is the whole way
 )")
         .def(
+            "shorten",
+            [](const MeshCheck& self, const ArrayLike& points, const std::string& criterion) {
+                auto pose = self.toPoses(points);
+                const auto choice = chosen(solve::kCriterionWords, "criterion", criterion);
+                const solve::MeshVerdict verdict =
+                    withoutGil([&] { return self.mesh().shorten(pose, choice); });
+                return py::make_tuple(toArray(pose), verdict.written);
+            },
+            "points"_a, "criterion"_a = "exact", R"(
+Moves deformed points, array (N, 3), back towards rest until the mesh is valid. Returns the points and
+the share of the way: 1 if the mesh is valid at the deformed points.
+
+criterion : "exact": no cell is inverted anywhere; "solver": the volumes are positive, and in a mesh of
+            OpenFOAM, checkMesh finds no error that it does not find at rest
+)")
+        .def(
+            "solver_errors",
+            [](const MeshCheck& self, const ArrayLike& points) {
+                const auto pose = self.toPoses(points);
+                return withoutGil(
+                    [&] { return self.mesh().solverErrors(self.mesh().qualityAt(pose)); });
+            },
+            "points"_a,
+            "Counts the errors that the criterion \"solver\" finds at points, array (N, 3): int.")
+        .def(
             "quality",
             [](const MeshCheck& self, const ArrayLike& points) {
                 const auto pose = self.toPoses(points);
-                return toDict(
-                    withoutGil([&] { return solve::meshQuality(self.volume().mesh, pose); }));
+                return toDict(withoutGil([&] { return self.mesh().qualityAt(pose); }));
             },
             "points"_a, R"(
 Measures the mesh at points, array (N, 3), with the definitions of OpenFOAM's checkMesh. Returns a dict:
 scaled_jacobian, non_orthogonality and mean_non_orthogonality (degrees), severely_non_orthogonal (faces
-above 70 degrees), skewness, smallest_volume, non_positive_volumes (cells) and negative_pyramids (sides
+above 70 degrees), beyond_right_angle (faces at or above 90 degrees), skewness, smallest_volume, non_positive_volumes (cells) and negative_pyramids (sides
 of faces). A measure is None if the mesh has nothing with it, such as internal faces.
 )");
 }

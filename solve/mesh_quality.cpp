@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mesh_centres.h"
+#include "surface_pieces.h"
 
 namespace espalier::solve {
 namespace {
@@ -131,7 +132,7 @@ void keepSmallest(std::optional<Value>& kept, const Value& value) {
 struct FaceMeasures {
     std::optional<FaceValue> smallestCosine, largestSkewness;
     double sumOfCosines = 0;
-    Index severe = 0, negativePyramids = 0;
+    Index severe = 0, beyondRightAngle = 0, negativePyramids = 0;
 };
 
 FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> positions,
@@ -157,6 +158,7 @@ FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> p
             keepSmallest(measures.smallestCosine, {face, cosine});
             measures.sumOfCosines += cosine;
             measures.severe += cosine < severe ? 1 : 0;
+            measures.beyondRightAngle += cosine > kSmall ? 0 : 1;
         } else {
             const Point3 normal = scaled(area, 1 / (length(area) + kRootVerySmall));
             line = scaled(normal, dot(normal, toCentre));
@@ -218,11 +220,47 @@ MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> pos
         if (range.largestSkewness) keepLargest(quality.largestSkewness, *range.largestSkewness);
         sumOfCosines += range.sumOfCosines;
         quality.severelyNonOrthogonal += range.severe;
+        quality.beyondRightAngle += range.beyondRightAngle;
         quality.negativePyramids += range.negativePyramids;
     }
     if (smallestCosine) {
         quality.largestNonOrthogonality = {smallestCosine->face, degrees(smallestCosine->value)};
         quality.meanNonOrthogonality = degrees(sumOfCosines / mesh.internalFaceCount());
+    }
+    return quality;
+}
+
+MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3> rest,
+                           std::span<const Point3> positions) {
+    for (const auto& points : {rest, positions})
+        if (std::ssize(points) != mesh.pointCount())
+            throw Error(concat("got ", points.size(), " positions for a mesh of ",
+                               mesh.pointCount(), " points"));
+    const std::vector<Point3> withNormals = SurfacePieces(mesh, rest).withNormals(positions);
+    const double regularTriangle = std::sqrt(0.75);
+    MeshQuality quality;
+    for (Index face = 0; face < mesh.faceCount(); ++face) {
+        const auto corners = mesh.corners(face);
+        const Point3& normal = withNormals[mesh.pointCount() + face];
+        const double size = length(normal);
+        const Point3 unit = size > 0 ? scaled(normal, 1 / size) : normal;
+        const double regular = corners.size() == 3 ? regularTriangle : 1;
+        double jacobian = std::numeric_limits<double>::infinity();
+        std::vector<Point3> loop;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const Point3& here = positions[corners[i]];
+            const Point3 to = difference(positions[corners[(i + 1) % corners.size()]], here),
+                         from = difference(
+                             positions[corners[(i + corners.size() - 1) % corners.size()]], here);
+            const double product = length(to) * length(from);
+            jacobian = std::min(jacobian,
+                                product > 0 ? dot(cross(to, from), unit) / product / regular : 0.0);
+            loop.push_back(difference(here, positions[corners[0]]));
+        }
+        const double area = dot(areaVector(loop), unit);
+        keepSmallest(quality.smallestScaledJacobian, {face, jacobian});
+        keepSmallest(quality.smallestVolume, {face, area});
+        if (!(area > 0)) quality.nonPositiveVolumes.push_back(face);
     }
     return quality;
 }

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/solve/validity.h>
 
@@ -11,7 +12,7 @@
 #include <span>
 #include <vector>
 
-// Measures the quality of volume meshes, with the definitions of OpenFOAM's checkMesh.
+// Measures the quality of meshes; of volumes with the definitions of OpenFOAM's checkMesh.
 namespace espalier::solve {
 
 /// A face and its value.
@@ -54,6 +55,10 @@ struct MeshQuality {
     /// severe, and those above 90 degrees, which it counts apart as errors.
     Index severelyNonOrthogonal = 0;
 
+    /// Number of internal faces whose angle is above 90 degrees, or exactly 90: checkMesh refuses
+    /// these.
+    Index beyondRightAngle = 0;
+
     /// The largest skewness of a face: the distance of its centre from the line between the centres
     /// of its cells, relative to the size of the face in this direction; on the boundary, from the
     /// normal through the centre of its cell. checkMesh warns above 4.
@@ -67,6 +72,18 @@ struct MeshQuality {
 /// \cost O(points of faces), in parallel: 1 µs per hexahedron
 ESPALIER_API MeshQuality meshQuality(const far::VolumeMesh& mesh,
                                      std::span<const Point3> positions);
+
+/// Measures the faces of a surface, which are its cells: the smallest scaled Jacobian and the
+/// smallest area along the normals of ValidityCheck, and the faces whose area is not positive. The
+/// scaled Jacobian is the sine of the angle at a corner, relative to a regular triangle or a
+/// square. Measures between cells are left empty.
+///
+/// \param mesh faces of second order are measured at their corners
+/// \param rest, positions one per point
+/// \throws Error if `rest` or `positions` does not fit
+/// \cost O(points of faces)
+ESPALIER_API MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3> rest,
+                                        std::span<const Point3> positions);
 
 /// Returns the smallest determinant of three unit vectors along the edges at a corner of a cell,
 /// relative to the determinant in the regular cell: 1 for a cube, a regular tetrahedron, a wedge of

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/far/second_order_cells.h>
 #include <espalier/io/cgns/cgns_model.h>
 #include <espalier/io/files/file.h>
 
@@ -16,6 +17,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -242,6 +244,38 @@ private:
     int number_ = 0;
 };
 
+/// Brings the points of a cell of second order into VTK's order; VolumeCells turns wedges. The
+/// places of points in tetrahedra and pyramids are VTK's; in wedges and hexahedra, the edges along
+/// the axis come before the edges of the upper end, and faces go around the axis.
+std::vector<Index> inVtkOrder(const std::vector<Index>& points) {
+    const auto of = []<class... Corners>(Corners... corners) {
+        return static_cast<far::CornerBits>(((1u << corners) | ...));
+    };
+    static const far::CornerBits kWedge[] = {
+        of(0),    of(1),    of(2),    of(3),          of(4),          of(5),
+        of(0, 1), of(1, 2), of(2, 0), of(0, 3),       of(1, 4),       of(2, 5),
+        of(3, 4), of(4, 5), of(5, 3), of(0, 1, 4, 3), of(1, 2, 5, 4), of(2, 0, 3, 5)};
+    static const far::CornerBits kHexahedron[] = {
+        of(0),          of(1),          of(2),
+        of(3),          of(4),          of(5),
+        of(6),          of(7),          of(0, 1),
+        of(1, 2),       of(2, 3),       of(3, 0),
+        of(0, 4),       of(1, 5),       of(2, 6),
+        of(3, 7),       of(4, 5),       of(5, 6),
+        of(6, 7),       of(7, 4),       of(0, 3, 2, 1),
+        of(0, 1, 5, 4), of(1, 2, 6, 5), of(2, 3, 7, 6),
+        of(0, 4, 7, 3), of(4, 5, 6, 7), of(0, 1, 2, 3, 4, 5, 6, 7)};
+    static constexpr std::size_t kCorners[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    switch (far::kindOfCell(points.size()).value()) {
+        case far::StandardCell::Wedge:
+            return far::reorderedCell(points, kWedge, std::span(kCorners).first(6));
+        case far::StandardCell::Hexahedron:
+            return far::reorderedCell(points, kHexahedron, kCorners);
+        default:
+            return points;
+    }
+}
+
 /// Passes the elements of a zone to a visitor.
 class ZoneElements {
 public:
@@ -417,6 +451,18 @@ private:
             case CGNS_ENUMV(TRI_3):
             case CGNS_ENUMV(QUAD_4):
                 return visitor_.face(points(numbers));
+            case CGNS_ENUMV(TRI_6):
+            case CGNS_ENUMV(QUAD_8):
+            case CGNS_ENUMV(QUAD_9):
+                return visitor_.curvedCell(2, points(checkedNumbers(type, numbers)));
+            case CGNS_ENUMV(TETRA_10):
+            case CGNS_ENUMV(PYRA_13):
+            case CGNS_ENUMV(PYRA_14):
+            case CGNS_ENUMV(PENTA_15):
+            case CGNS_ENUMV(PENTA_18):
+            case CGNS_ENUMV(HEXA_20):
+            case CGNS_ENUMV(HEXA_27):
+                return visitor_.curvedCell(3, inVtkOrder(points(checkedNumbers(type, numbers))));
             case CGNS_ENUMV(TETRA_4):
                 kind = far::StandardCell::Tetrahedron;
                 break;
@@ -437,12 +483,18 @@ private:
                 file_.fail(concat("an element has the type ", ElementTypeName[type],
                                   ", whose points are not known"));
             default:
-                return visitor_.curvedCell(dimensionOf(type));
+                return visitor_.curvedCell(dimensionOf(type), {});
         }
-        if (std::ssize(numbers) != far::vertexCount(*kind))
-            file_.fail(concat("a cell has ", numbers.size(), " points; expected ",
-                              far::vertexCount(*kind)));
-        visitor_.cell(*kind, points(numbers));
+        visitor_.cell(*kind, points(checkedNumbers(type, numbers)));
+    }
+
+    std::span<const cgsize_t> checkedNumbers(CGNS_ENUMT(ElementType_t) type,
+                                             std::span<const cgsize_t> numbers) const {
+        int expected = 0;
+        file_.check(cg_npe(type, &expected));
+        if (std::ssize(numbers) != expected)
+            file_.fail(concat("a cell has ", numbers.size(), " points; expected ", expected));
+        return numbers;
     }
 
     static int dimensionOf(CGNS_ENUMT(ElementType_t) type) {

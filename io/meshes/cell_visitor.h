@@ -35,7 +35,9 @@ public:
     /// A cell whose edges are curved, such as a quadratic one. It has the vertices of a straight
     /// one, and more.
     /// \param dimension 1 to 3
-    virtual void curvedCell(int dimension) = 0;
+    /// \param points of a cell of second order, in the order of far::cellPoints(); of a face of
+    ///        second order, in the order of far::SurfaceMesh::addFace(). Empty for all others
+    virtual void curvedCell(int dimension, std::span<const Index> points) = 0;
 
     /// An element of a type that the reader does not know.
     /// \param line, cause the place of the element and a message, for a visitor that needs all

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
+#include <espalier/far/second_order_cells.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -18,7 +20,8 @@
 //
 // The points are the nodes, in the order of the file; the tags of nodes may be any numbers. The
 // elements of the types 4 (tetrahedron), 5 (hexahedron), 6 (prism) and 7 (pyramid) are cells; the
-// types 2 (triangle) and 3 (quadrangle) are faces. Elements of higher order are curved. In ASCII,
+// types 2 (triangle) and 3 (quadrangle) are faces. Elements of second order (8 to 14 and 16 to 19)
+// are curved, with all of their nodes; of those of higher order, only the number is read. In ASCII,
 // elements of types that are not known here are counted; in binary they are refused, since their
 // length is not known. Version 2.2 may have $ParametricNodes instead of $Nodes.
 //
@@ -27,13 +30,69 @@
 namespace espalier::io {
 namespace {
 
-/// A type of element: its dimension, its number of nodes, and its kind if it is a straight cell.
+using far::CornerBits;
+
+/// Returns the corners that a node of second order lies between.
+template <class... Corners>
+constexpr CornerBits between(Corners... corners) {
+    return static_cast<CornerBits>(((1u << corners) | ...));
+}
+
+// The nodes of cells of second order as Gmsh orders them. The smaller number of nodes of a kind is
+// a prefix of the larger one.
+constexpr CornerBits kTetrahedronNodes[] = {
+    between(0),    between(1),    between(2),    between(3),    between(0, 1),
+    between(1, 2), between(2, 0), between(3, 0), between(2, 3), between(1, 3)};
+constexpr CornerBits kHexahedronNodes[] = {
+    between(0),          between(1),          between(2),
+    between(3),          between(4),          between(5),
+    between(6),          between(7),          between(0, 1),
+    between(0, 3),       between(0, 4),       between(1, 2),
+    between(1, 5),       between(2, 3),       between(2, 6),
+    between(3, 7),       between(4, 5),       between(4, 7),
+    between(5, 6),       between(6, 7),       between(0, 3, 2, 1),
+    between(0, 1, 5, 4), between(0, 4, 7, 3), between(1, 2, 6, 5),
+    between(2, 3, 7, 6), between(4, 5, 6, 7), between(0, 1, 2, 3, 4, 5, 6, 7)};
+constexpr CornerBits kPrismNodes[] = {
+    between(0),          between(1),          between(2),         between(3),    between(4),
+    between(5),          between(0, 1),       between(0, 2),      between(0, 3), between(1, 2),
+    between(1, 4),       between(2, 5),       between(3, 4),      between(3, 5), between(4, 5),
+    between(0, 1, 4, 3), between(0, 2, 5, 3), between(1, 2, 5, 4)};
+constexpr CornerBits kPyramidNodes[] = {
+    between(0),    between(1),    between(2),    between(3),         between(4),
+    between(0, 1), between(0, 3), between(0, 4), between(1, 2),      between(1, 4),
+    between(2, 3), between(2, 4), between(3, 4), between(0, 1, 2, 3)};
+
+/// Returns the nodes of a kind of cell in Gmsh's order, and the corners in VTK's order by their
+/// numbers there. Gmsh's first triangle of a prism is anticlockwise seen from the other one, unlike
+/// VTK's.
+std::pair<std::span<const CornerBits>, std::span<const std::size_t>> nodesOf(
+    far::StandardCell kind) {
+    static constexpr std::size_t kCorners[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    static constexpr std::size_t kPrismCorners[] = {0, 2, 1, 3, 5, 4};
+    const auto corners = std::span(kCorners).first(far::vertexCount(kind));
+    switch (kind) {
+        case far::StandardCell::Tetrahedron:
+            return {kTetrahedronNodes, corners};
+        case far::StandardCell::Pyramid:
+            return {kPyramidNodes, corners};
+        case far::StandardCell::Wedge:
+            return {kPrismNodes, kPrismCorners};
+        case far::StandardCell::Hexahedron:
+            break;
+    }
+    return {kHexahedronNodes, corners};
+}
+
+/// A type of element: its dimension, its number of nodes, and its kind if it is a cell of first or
+/// second order.
 struct ElementType {
     std::int64_t number;
     int dimension;
     std::size_t nodes;
     std::optional<far::StandardCell> kind = {};
     bool isCurved = true;
+    bool isSecondOrderFace = false;
 };
 
 constexpr ElementType kElementTypes[] = {
@@ -49,31 +108,31 @@ constexpr ElementType kElementTypes[] = {
     {26, 1, 4},
     {27, 1, 5},
     {28, 1, 6},
-    {9, 2, 6},
+    {9, 2, 6, {}, true, true},
     {20, 2, 9},
     {21, 2, 10},
     {22, 2, 12},
     {23, 2, 15},
     {24, 2, 15},
     {25, 2, 21},
-    {10, 2, 9},
-    {16, 2, 8},
+    {10, 2, 9, {}, true, true},
+    {16, 2, 8, {}, true, true},
     {36, 2, 16},
     {37, 2, 25},
-    {11, 3, 10},
+    {11, 3, 10, far::StandardCell::Tetrahedron},
     {29, 3, 20},
     {30, 3, 35},
     {31, 3, 56},
-    {12, 3, 27},
-    {17, 3, 20},
+    {12, 3, 27, far::StandardCell::Hexahedron},
+    {17, 3, 20, far::StandardCell::Hexahedron},
     {92, 3, 64},
     {93, 3, 125},
-    {13, 3, 18},
-    {18, 3, 15},
+    {13, 3, 18, far::StandardCell::Wedge},
+    {18, 3, 15, far::StandardCell::Wedge},
     {90, 3, 40},
     {91, 3, 75},
-    {14, 3, 14},
-    {19, 3, 13},
+    {14, 3, 14, far::StandardCell::Pyramid},
+    {19, 3, 13, far::StandardCell::Pyramid},
 };
 
 /// Reads the sections of a file in order.
@@ -310,8 +369,9 @@ private:
     }
 
     void visit(const ElementType& type, CellVisitor& visitor) {
-        if (type.isCurved) {
-            visitor.curvedCell(type.dimension);
+        if (type.isCurved && type.kind) {
+            const auto [places, corners] = nodesOf(*type.kind);
+            visitor.curvedCell(type.dimension, far::reorderedCell(nodes_, places, corners));
         } else if (type.kind) {
             // The first triangle of a prism is anticlockwise seen from the other one, unlike VTK's.
             if (type.kind == far::StandardCell::Wedge) {
@@ -319,6 +379,9 @@ private:
                 std::swap(nodes_[4], nodes_[5]);
             }
             visitor.cell(*type.kind, nodes_);
+        } else if (type.isCurved) {
+            visitor.curvedCell(type.dimension,
+                               type.isSecondOrderFace ? nodes_ : std::vector<Index>{});
         } else if (type.dimension == 2) {
             visitor.face(nodes_);
         } else {

@@ -25,7 +25,7 @@ void LatticeCells::polyhedron(std::span<const std::vector<Index>> loops) {
     ++cellCount_;
 }
 
-void LatticeCells::curvedCell(int dimension) {
+void LatticeCells::curvedCell(int dimension, std::span<const Index>) {
     if (dimension == 3)
         throw FileError(path_, concat("cell ", cellCount_,
                                       " of the volume has curved edges (it is quadratic or of "

@@ -26,7 +26,7 @@ public:
     void smallCell(int dimension) override { ++skipped_[dimension]; }
 
     /// \throws FileError if the cell is of dimension 3
-    void curvedCell(int dimension) override;
+    void curvedCell(int dimension, std::span<const Index> points) override;
 
     /// \throws FileError with the line and the cause
     void unknownElement(std::size_t line, const std::string& cause) override;

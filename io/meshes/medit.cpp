@@ -27,6 +27,7 @@ struct ElementSection {
     std::size_t nodes;
     std::optional<far::StandardCell> kind = {};
     bool isCurved = false;
+    bool hasKnownOrder = false;  ///< of a curved element: the order of far::cellPoints()
 };
 
 constexpr ElementSection kElementSections[] = {
@@ -39,9 +40,9 @@ constexpr ElementSection kElementSections[] = {
     {"Prisms", 3, 6, far::StandardCell::Wedge},
     {"Hexahedra", 3, 8, far::StandardCell::Hexahedron},
     {"EdgesP2", 1, 3, {}, true},
-    {"TrianglesP2", 2, 6, {}, true},
-    {"QuadrilateralsQ2", 2, 9, {}, true},
-    {"TetrahedraP2", 3, 10, {}, true},
+    {"TrianglesP2", 2, 6, {}, true, true},
+    {"QuadrilateralsQ2", 2, 9, {}, true, true},
+    {"TetrahedraP2", 3, 10, {}, true, true},
     {"HexahedraQ2", 3, 27, {}, true},
 };
 
@@ -133,7 +134,9 @@ private:
             }
             if (hasReference) text_.token("the reference of an element");
             if (section.isCurved)
-                visitor.curvedCell(section.dimension);
+                visitor.curvedCell(section.dimension, section.hasKnownOrder && !hasOrderings_
+                                                          ? nodes
+                                                          : std::vector<Index>{});
             else if (section.kind)
                 visitor.cell(*section.kind, nodes);
             else if (section.dimension == 2)
@@ -147,6 +150,10 @@ private:
     std::string_view bytes_;
     TextReader text_;
     std::size_t dimension_ = 0;
+
+    /// True if the file lists orders of the nodes of curved elements (TetrahedraP2Ordering). They
+    /// are not read, and so these elements are not checked.
+    bool hasOrderings_ = bytes_.find("Ordering") != std::string_view::npos;
     std::string_view readSection_;  ///< keyword of the section that was read last, until the next
 };
 

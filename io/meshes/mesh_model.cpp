@@ -13,7 +13,12 @@ ModelSurface readMeshSurface(const MeshFormat& format, const FileView& file) {
 }
 
 ModelVolume readMeshVolume(const MeshFormat& format, const FileView& file) {
-    if (format.readVolume) return {format.readVolume(file.path, file.pointCount())};
+    if (format.readVolume) {
+        ModelVolume volume;
+        volume.mesh = format.readVolume(file.path, file.pointCount());
+        volume.isOpenFoam = true;  // The only format that has its cells in other files.
+        return volume;
+    }
     VolumeCells cells;
     format.readCells(file.path, file.bytes, file.pointCount(), cells);
     return withPathInErrors(file.path, [&] { return cells.finish(file.numbers.points.values); });

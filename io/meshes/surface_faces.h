@@ -25,7 +25,9 @@ public:
     }
     void boundaryFace(std::span<const Index> points) override { face(points); }
     void smallCell(int) override {}
-    void curvedCell(int dimension) override { cellCount_ += dimension == 3 ? 1 : 0; }
+    void curvedCell(int dimension, std::span<const Index>) override {
+        cellCount_ += dimension == 3 ? 1 : 0;
+    }
 
     void unknownElement(std::size_t, const std::string&) override { ++unknownCount_; }
 

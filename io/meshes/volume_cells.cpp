@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
+#include <espalier/far/second_order_cells.h>
 #include <espalier/far/topology_error.h>
 
 #include <algorithm>
@@ -29,23 +30,6 @@ double volumeOf(std::span<const Loop> loops, std::span<const Point3> positions) 
         volume += 2 * dot(mean(points), areaVector(points));
     }
     return volume;
-}
-
-/// Turns the points of a standard cell into its mirror image.
-void mirror(far::StandardCell kind, std::span<Index> points) {
-    switch (kind) {
-        case far::StandardCell::Tetrahedron:
-            std::swap(points[1], points[2]);
-            break;
-        case far::StandardCell::Pyramid:
-            std::swap(points[1], points[3]);
-            break;
-        case far::StandardCell::Wedge:
-        case far::StandardCell::Hexahedron:
-            std::swap_ranges(points.begin(), points.begin() + std::ssize(points) / 2,
-                             points.begin() + std::ssize(points) / 2);
-            break;
-    }
 }
 
 /// Reverses loops so that two neighbours step along their common edge in opposite directions, as
@@ -103,6 +87,65 @@ void VolumeCells::polyhedron(std::span<const Loop> loops) {
     loops_.insert(loops_.end(), loops.begin(), loops.end());
 }
 
+void VolumeCells::face(std::span<const Index> points) {
+    checkCancelledEvery(faces_.offsets.size(), 12);
+    if (points.size() != 3 && points.size() != 4) {
+        ++polygons_;
+        return;
+    }
+    faces_.values.insert(faces_.values.end(), points.begin(), points.end());
+    faces_.offsets.push_back(static_cast<Offset>(faces_.values.size()));
+}
+
+void VolumeCells::curvedCell(int dimension, std::span<const Index> points) {
+    if (dimension == 3 && !points.empty()) return cell(*far::kindOfCell(points.size()), points);
+    if (dimension == 3) ++curvedCells_;
+    if (dimension != 2) return;
+    if (points.empty()) {
+        ++curvedFaces_;
+        return;
+    }
+    faces_.values.insert(faces_.values.end(), points.begin(), points.end());
+    faces_.offsets.push_back(static_cast<Offset>(faces_.values.size()));
+}
+
+void VolumeCells::giveFaces(ModelVolume& volume, Index pointCount) const {
+    const auto faceAt = [&](std::size_t face) {
+        return std::span(faces_.values.data() + faces_.offsets[face],
+                         faces_.values.data() + faces_.offsets[face + 1]);
+    };
+    const std::size_t faceCount = faces_.offsets.size() - 1;
+    if (volume.mesh.cellCount() == 0 && volume.curvedCells == 0) {
+        volume.surface = far::SurfaceMesh(pointCount);
+        for (std::size_t face = 0; face < faceCount; ++face) volume.surface.addFace(faceAt(face));
+        volume.polygons = polygons_;
+        volume.curvedFaces = curvedFaces_;
+        return;
+    }
+    // A face of a cell is checked with the cell. The corners of faces tell which these are.
+    using Corners = std::array<Index, 4>;
+    const auto cornersOf = [](std::span<const Index> points) {
+        Corners corners = {-1, -1, -1, -1};
+        const bool isTriangle = points.size() == 3 || points.size() == 6;
+        std::ranges::copy(points.first(isTriangle ? 3 : 4), corners.begin());
+        std::ranges::sort(corners);
+        return corners;
+    };
+    std::vector<Corners> faces(faceCount);
+    for (std::size_t face = 0; face < faceCount; ++face) faces[face] = cornersOf(faceAt(face));
+    std::ranges::sort(faces);
+    std::vector<char> isOfCell(faceCount, 0);
+    for (Index face = 0; face < volume.mesh.faceCount() && faceCount > 0; ++face) {
+        checkCancelledEvery(face, 12);
+        const auto loop = volume.mesh.face(face);
+        if (loop.size() > 4) continue;
+        const auto [first, last] = std::equal_range(faces.begin(), faces.end(), cornersOf(loop));
+        std::fill(isOfCell.begin() + (first - faces.begin()),
+                  isOfCell.begin() + (last - faces.begin()), 1);
+    }
+    volume.facesBeside = static_cast<Index>(std::ranges::count(isOfCell, 0));
+}
+
 ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
     const auto pointCount = static_cast<Index>(positions.size());
     const auto check = [&](std::span<const Index> points, std::size_t cell) {
@@ -134,7 +177,7 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
     for (const Cell& cell : cells_) {
         if (cell.isStandard) {
             const std::span<Index> points(points_.data() + cell.begin, cell.end - cell.begin);
-            if (balance[static_cast<std::size_t>(cell.kind)] < 0) mirror(cell.kind, points);
+            if (balance[static_cast<std::size_t>(cell.kind)] < 0) far::mirrorCell(points);
             builder.addCell(cell.kind, points);
         } else {
             const std::span<Loop> ofCell(loops_.data() + cell.begin, cell.end - cell.begin);
@@ -145,7 +188,12 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
             builder.addCell(ofCell);
         }
     }
-    return {builder.build(), curvedCells_, unknownElements_};
+    ModelVolume volume;
+    volume.mesh = builder.build();
+    volume.curvedCells = curvedCells_;
+    volume.unknownElements = unknownElements_;
+    giveFaces(volume, pointCount);
+    return volume;
 }
 
 }  // namespace espalier::io

@@ -15,10 +15,10 @@
 
 namespace espalier::io {
 
-/// Collects the cells of a volume and turns them right-handed, as far::VolumeMesh describes
-/// them. Files disagree about this: VTK and Gmsh order the points of a wedge in opposite ways, VTK
-/// does not prescribe the direction of the faces of a polyhedron, and some meshes are mirror
-/// images.
+/// Collects the cells of a mesh, and turns those of a volume right-handed, as far::VolumeMesh
+/// describes them. Files disagree about this: VTK and Gmsh order the points of a wedge in opposite
+/// ways, VTK does not prescribe the direction of the faces of a polyhedron, and some meshes are
+/// mirror images.
 class ESPALIER_API VolumeCells final : public CellVisitor {
 public:
     void cell(far::StandardCell kind, std::span<const Index> points) override;
@@ -26,20 +26,23 @@ public:
     /// \param loops the faces, each in any direction
     void polyhedron(std::span<const std::vector<Index>> loops) override;
 
-    void face(std::span<const Index>) override {}
+    void face(std::span<const Index> points) override;
     void smallCell(int) override {}
-    void curvedCell(int dimension) override { curvedCells_ += dimension == 3 ? 1 : 0; }
+    void curvedCell(int dimension, std::span<const Index> points) override;
 
     void unknownElement(std::size_t, const std::string&) override { ++unknownElements_; }
 
     /// Returns the mesh. If most standard cells of a kind have a negative volume, all cells of this
     /// kind are turned; the cells of this kind that had a positive volume then are inside out. Each
-    /// polyhedron gets faces that agree along their edges, and a positive volume.
+    /// polyhedron gets faces that agree along their edges, and a positive volume. Without cells of
+    /// a volume, the faces are the mesh.
     /// \param positions one per point
     /// \throws TopologyError if a cell names a point that does not exist
     ModelVolume finish(std::span<const Point3> positions);
 
 private:
+    void giveFaces(ModelVolume& volume, Index pointCount) const;
+
     struct Cell {
         bool isStandard;
         far::StandardCell kind;
@@ -50,7 +53,10 @@ private:
     std::vector<Cell> cells_;
     std::vector<Index> points_;  ///< the points of standard cells
     std::vector<std::vector<Index>> loops_;
+    far::Rows<Index> faces_;  ///< faces of surfaces with 3, 4, 6, 8 or 9 points
+    Index polygons_ = 0;
     Index curvedCells_ = 0;
+    Index curvedFaces_ = 0;
     Index unknownElements_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "../lattices/lattice_parts.h"
 #include "vtk_cells.h"
@@ -17,6 +18,8 @@ using far::StandardCell;
 
 namespace {
 
+constexpr std::int64_t kVtkPixel = 8;
+constexpr std::int64_t kVtkQuadrilateral = 9;
 constexpr std::int64_t kVtkVoxel = 11;
 
 /// The largest number of edges of a standard cell; a hexahedron has it.
@@ -49,6 +52,28 @@ std::uint8_t typeOf(StandardCell kind) {
         std::begin(kCellTypes), std::end(kCellTypes),
         [&](const CellType& entry) { return entry.kind == kind && entry.number != kVtkVoxel; });
     return static_cast<std::uint8_t>(at->number);
+}
+
+/// Returns the number of points of a cell of a volume of second order; 0 for all other types. Among
+/// cells of any order (Lagrange), only the order of the points of tetrahedra is the same in all
+/// versions of VTK.
+std::size_t secondOrderCellPoints(std::int64_t type) {
+    constexpr std::pair<std::int64_t, std::size_t> kTypes[] = {
+        {24, 10}, {25, 20}, {29, 27}, {26, 15}, {32, 18}, {27, 13}, {71, 10}};
+    for (const auto& [number, points] : kTypes)
+        if (number == type) return points;
+    return 0;
+}
+
+/// Returns the number of points of a face of first or second order; 0 for all other types. A
+/// polygon has any number of points.
+std::size_t facePoints(std::int64_t type, std::size_t pointCount) {
+    constexpr std::pair<std::int64_t, std::size_t> kTypes[] = {{5, 3},  {8, 4},  {9, 4},  {22, 6},
+                                                               {23, 8}, {28, 9}, {69, 6}, {70, 9}};
+    if (type == kVtkPolygon) return pointCount;
+    for (const auto& [number, points] : kTypes)
+        if (number == type) return points;
+    return 0;
 }
 
 /// Returns true for volume cells of higher order: quadratic, Lagrange and Bézier.
@@ -99,7 +124,6 @@ void VtkFaceReader::beginPiece(std::size_t firstPoint, std::size_t pointCount) {
 }
 
 void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points) {
-    constexpr std::int64_t kPixel = 8;
     if (type < 5 || type > 9) {
         ++otherCells_[type];
         return;
@@ -113,7 +137,7 @@ void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points)
     }
     if (type == kVtkStrip) return faces_.addStrip(corners);
     // A pixel orders its points by rows; a quadrilateral goes around.
-    if (type == kPixel && corners.size() == 4) std::swap(corners[2], corners[3]);
+    if (type == kVtkPixel && corners.size() == 4) std::swap(corners[2], corners[3]);
     faces_.corners.insert(faces_.corners.end(), corners.begin(), corners.end());
     faces_.endFace();
 }
@@ -138,14 +162,21 @@ void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
 
 void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
     if (const auto dimension = lowDimensionOf(type)) {
+        if (*dimension == 2)
+            addFace(type, vertices);
+        else
+            visitor_.smallCell(*dimension);
         ++cellInFile_;
-        return *dimension == 2 ? visitor_.face({}) : visitor_.smallCell(*dimension);
+        return;
     }
     if (const std::size_t sides = sidesOfPrism(type)) return addPrism(sides, vertices);
     const std::optional<StandardCell> kind = kindOf(type);
     if (!kind && acceptsCurved_ && isCurved(type)) {
+        std::vector<Index> points;
+        if (secondOrderCellPoints(type) == vertices.size())
+            for (const std::int64_t vertex : vertices) points.push_back(checkedVertex(vertex));
         ++cellInFile_;
-        return visitor_.curvedCell(3);
+        return visitor_.curvedCell(3, points);
     }
     if (!kind)
         fail(concat("is of VTK's type ", type, "; only the types 10 to 16 and 42 can be read"));
@@ -160,6 +191,22 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     ++cellCount_;
     ++cellInFile_;
     maxEdges_ += kMaxEdges;
+}
+
+void VtkCellReader::addFace(std::int64_t type, std::span<const std::int64_t> vertices) {
+    std::vector<Index> points;
+    for (const std::int64_t vertex : vertices) points.push_back(checkedVertex(vertex));
+    if (type == kVtkStrip) {
+        ModelFaces triangles;
+        triangles.addStrip(points);
+        for (std::size_t face = 0; face < triangles.count(); ++face) visitor_.face(triangles[face]);
+        return;
+    }
+    // A pixel orders its points by rows; a quadrilateral goes around.
+    if (type == kVtkPixel && points.size() == 4) std::swap(points[2], points[3]);
+    const bool isKnown = facePoints(type, points.size()) == points.size();
+    if (isKnown && type <= kVtkQuadrilateral) return visitor_.face(points);
+    visitor_.curvedCell(2, isKnown ? points : std::vector<Index>{});
 }
 
 void VtkCellReader::addPrism(std::size_t sides, std::span<const std::int64_t> vertices) {

@@ -74,8 +74,7 @@ public:
     /// Begins a piece. Cells added from now on number its vertices from 0.
     void beginPiece(Index firstVertex, Index vertexCount);
 
-    /// Adds a cell of any type but 42. Counts vertices, lines and surface cells, and tells the
-    /// visitor of them by their dimension.
+    /// Adds a cell of any type but 42. Of vertices and lines, the visitor gets the dimension.
     void add(std::int64_t type, std::span<const std::int64_t> vertices);
 
     /// Adds a polyhedron by its loops.
@@ -91,6 +90,7 @@ public:
 private:
     /// \param vertices the lower and the upper end, of `sides` vertices each
     void addPrism(std::size_t sides, std::span<const std::int64_t> vertices);
+    void addFace(std::int64_t type, std::span<const std::int64_t> vertices);
     Index checkedVertex(std::int64_t vertex) const;
     [[noreturn]] void fail(const std::string& cause) const;
 

@@ -21,11 +21,16 @@ from program import CliTest
 # A tetrahedron whose tip is at z = 1, in the formats of simulations.
 POINTS = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"]
 SU2 = ("NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n" + "\n".join(POINTS) + "\nNMARK= 0\n")
+MSH = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n%s$EndNodes\n$Elements\n%d\n%s$EndElements\n"
 HEADER = "FoamFile { version 2.0; format ascii; class %s; object x; }\n"
 FOAM = {"points": HEADER % "vectorField" + "4(" + "".join(f"({p})" for p in POINTS) + ")\n",
         "faces": HEADER % "faceList" + "4(3(0 2 1)3(0 1 3)3(1 2 3)3(2 0 3))\n",
         "owner": HEADER % "labelList" + "4{0}\n",
         "neighbour": HEADER % "labelList" + "0()\n"}
+
+
+def numbered(points):
+    return "".join(f"{i + 1} {p}\n" for i, p in enumerate(points))
 
 
 class Mesh(CliTest):
@@ -56,6 +61,7 @@ class Mesh(CliTest):
                      "  inverted          1, the first cell 0\n",
                      "  worst ratio       -1 (volume in the pose : at rest), cell 0\n",
                      "  largest step      0.499999999999 of the pose inverts no cell; then cell 0 folds\n",
+                     "  for a solver      1 errors; 0.499 of the pose has none\n",
                      "    volumes below 0            0          1  cells"]:
             self.assertIn(line, result.stdout)
         self.assertIn("warning: pose.ovm turns 1 of 1 cells of the mesh inside out, the first cell 0.",
@@ -63,7 +69,7 @@ class Mesh(CliTest):
         mesh, = self.report()["meshes"]
         self.assertEqual(mesh["pose"], "pose.ovm")
         self.assertEqual(mesh["cells"], {"tetrahedra": 1, "pyramids": 0, "wedges": 0, "hexahedra": 0,
-                                         "polyhedra": 0})
+                                         "polyhedra": 0, "triangles": 0, "quadrilaterals": 0})
         self.assertEqual(mesh["inverted"], {"count": 1, "first": 0})
         self.assertEqual(mesh["bad_at_rest"], {"count": 0, "first": None})
         self.assertAlmostEqual(mesh["smallest_ratio"]["volume_ratio"], -1, delta=1e-12)
@@ -177,22 +183,84 @@ class Mesh(CliTest):
         self.put("a.su2", SU2.replace("NELEM= 1\n", "NELEM= 3\n22 0 1 2 3\n22 0 1 2 3\n"))
         self.assertIn("  not checked       2 elements of unknown types\n", self.deform_mesh().stdout)
         mesh, = self.report()["meshes"]
-        self.assertEqual((mesh["unknown_elements"], mesh["inverted"]["count"]), (2, 1))
+        self.assertEqual((mesh["not_checked"], mesh["inverted"]["count"]),
+                         ({"elements of unknown types": 2}, 1))
 
-    def test_meshes_of_curved_cells_only(self):
+    def test_cells_of_second_order(self):
         points = POINTS + [".5 0 0", ".5 .5 0", "0 .5 0", "0 0 .5", "0 .5 .5", ".5 0 .5"]
-        self.put("q.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n" + "".join(
-            f"{i + 1} {p}\n" for i, p in enumerate(points)) +
-            "$EndNodes\n$Elements\n1\n1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n")
+        self.put("q.msh", MSH % (len(points), numbered(points), 1, "1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n"))
         result = self.deform_mesh(model="q.msh", out="out.msh")
-        self.assertIn("mesh of pose.ovm\n  not checked       1 cells with curved edges\n", result.stdout)
-        self.assertNotIn("inverted", result.stdout)
+        self.assertIn("  cells             1 tetrahedra; 1 of second order\n  inverted          1, the first cell 0\n",
+                      result.stdout)
         mesh, = self.report(model="q.msh", out="out.msh")["meshes"]
-        self.assertEqual(mesh["curved_cells"], 1)
-        self.assertNotIn("inverted", mesh)
+        self.assertEqual((mesh["second_order"], mesh["not_checked"]), (1, {}))
+        # Only the middle of the edge from corner 0 to 1 moves, to corner 0: the cell folds at a half of the way.
+        self.run_program("shape", "box", "--cells", 4, 4, 4, "--min", -1, -1, -1, "--max", 1, 1, 1, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0] - 0.5 * (tuple(p) == (0.5, 0, 0)), p[1], p[2]))
+        mesh, = self.report("--outside", "nearest", model="q.msh", out="out.msh")["meshes"]
+        self.assertEqual(mesh["inverted"]["count"], 0)
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0] - 3 * (tuple(p) == (0.5, 0, 0)), p[1], p[2]))
+        mesh, = self.report(model="q.msh", out="out.msh")["meshes"]
+        self.assertEqual(mesh["inverted"]["count"], 1)
+        # The corners alone are valid.
+        self.assertEqual(mesh["quality"]["after"]["non_positive_volumes"], 0)
+
+    def test_what_is_not_checked_is_said(self):
+        points = POINTS + ["2 2 2"] * 16
+        self.put("q.msh", MSH % (20, numbered(points), 4, "1 29 2 0 1 " + " ".join(map(str, range(1, 21))) +
+                                 "\n2 4 2 0 1 1 2 3 4\n3 2 2 0 1 1 2 3\n4 2 2 0 1 5 6 7\n"))
+        result = self.deform_mesh("--outside", "nearest", model="q.msh", out="out.msh")
+        self.assertIn("  cells             1 tetrahedra\n"
+                      "  not checked       1 cells of third order and above or of an unknown order of points\n"
+                      "  not checked       1 faces of surfaces that are no faces of cells\n", result.stdout)
+        self.put("q.msh", MSH % (20, numbered(points), 1, "1 29 2 0 1 " + " ".join(map(str, range(1, 21))) + "\n"))
+        self.assertIn("mesh of pose.ovm\n  not checked       1 cells of third order",
+                      self.deform_mesh(model="q.msh", out="out.msh").stdout)
         for option in ("--no-inverted", "--largest-step"):
-            self.assertIn(f"q.msh: has 1 cells of a volume, all with curved edges, and {option} checks only",
+            self.assertIn("q.msh: has 1 cells of third order and above or of an unknown order of points, which "
+                          f"{option} cannot check, and no other cells",
                           self.deform_mesh(option, model="q.msh", out="out.msh", code=1).stderr)
+
+    def test_faces_of_a_mesh_of_two_dimensions(self):
+        self.put("a.su2", "NDIME= 2\nNELEM= 2\n5 0 1 2\n9 1 3 4 2\nNPOIN= 5\n0 0\n1 0\n0 1\n1.5 0.5\n0.5 1.5\n"
+                          "NMARK= 0\n")
+        self.run_program("shape", "box", "--min", 0, 0, -1, "--max", 2, 2, 1, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (-p[0], p[1], p[2]))
+        result = self.deform_mesh()
+        self.assertIn("  faces             1 triangles, 1 quadrilaterals\n  inverted          2, the first face 0\n",
+                      result.stdout)
+        self.assertIn("turns 2 of 2 faces of the mesh inside out, the first face 0", result.stderr)
+        self.assertIn("    areas below 0              0          2  faces\n", result.stdout)
+        self.assertNotIn("skewness", result.stdout)
+        self.deform_mesh("--no-inverted", code=3)
+        mesh, = self.report("--largest-step")["meshes"]
+        self.assertAlmostEqual(mesh["written"], 0.5, delta=1e-9)
+        self.assertEqual((mesh["cells"]["triangles"], mesh["cells"]["quadrilaterals"]), (1, 1))
+
+    def test_the_criterion_of_solvers(self):
+        # A corner of a cube goes through the opposite faces. At 1/9 of the way the cube folds at this corner;
+        # a solver that looks at the volume accepts a larger share.
+        cube = ["0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1", "1 0 1", "1 1 1", "0 1 1"]
+        self.put("a.su2", "NDIME= 3\nNELEM= 1\n12 0 1 2 3 4 5 6 7\nNPOIN= 8\n" + "\n".join(cube) + "\nNMARK= 0\n")
+        self.run_program("shape", "box", "--min", 0, 0, 0, "--max", 1, 1, 1, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (-2, -2, -2) if min(p) == 1 else tuple(p))
+        exact, = self.report("--largest-step")["meshes"]
+        solver, = self.report("--largest-step", "--criterion", "solver")["meshes"]
+        self.assertAlmostEqual(exact["written"], 1 / 9, delta=1e-9)
+        self.assertGreater(solver["written"], 0.2)
+        self.assertEqual(solver["written"], solver["solver"]["largest_step"])
+        self.assertEqual(solver["quality"]["after"]["non_positive_volumes"], 0)
+        self.assertEqual(exact["solver"], solver["solver"])
+        self.assertIn("a solver finds 1 errors more than at rest",
+                      self.deform_mesh("--no-inverted", "--criterion", "solver", code=3).stderr)
+        # Half of the solver's share: the exact criterion refuses it, and the solver accepts it.
+        half = solver["written"] / 2 * 3
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (1 - half,) * 3 if min(p) == 1 else tuple(p))
+        self.deform_mesh("--no-inverted", code=3)
+        result = self.deform_mesh("--no-inverted", "--criterion", "solver")
+        self.assertIn("  for a solver      0 errors in the whole pose\n", result.stdout)
+        self.assertIn("(a solver accepts the whole pose)", result.stderr)
+        self.assertIn("expected exact|solver, got best", self.deform_mesh("--criterion", "best", code=2).stderr)
 
     def test_frame_rates_are_above_0(self):
         for rate in ("0", "-1", "inf", "nan", "x"):

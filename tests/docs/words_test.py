@@ -25,6 +25,7 @@ LISTS = {
     "Continuity": ("CONTINUITY", "continuity", None, None),
     "Smoothing": ("SMOOTHING", "smoothing", "smoothing", None),
     "Undetermined": ("UNDETERMINED", "undetermined", None, None),
+    "Criterion": (None, "criterion", None, None),
     "Core": ("CORE", "_Core", "DiskCore", None),
     "TorusSection": ("SECTION", "section", None, None),
     "Symmetric": ("SYMMETRIC", "symmetric", "symmetric", None),

@@ -11,12 +11,12 @@
 namespace espalier::far {
 namespace {
 
-constexpr std::array<std::size_t, 7> kSizes = {10, 13, 14, 15, 18, 20, 27};
+constexpr std::array<std::size_t, 7> kSecondOrder = {10, 13, 14, 15, 18, 20, 27};
 
 // Each kind has one point for each edge, which is an edge of its faces, and then at most one for
 // each quadrilateral and for its inside.
 TEST(SecondOrderCells, HaveAPointOnEachEdge) {
-    for (const std::size_t size : kSizes) {
+    for (const std::size_t size : kSecondOrder) {
         const StandardCell kind = *kindOfCell(size);
         const auto places = cellPoints(size);
         ASSERT_EQ(places.size(), size);

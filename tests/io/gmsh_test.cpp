@@ -10,14 +10,18 @@
 namespace espalier::io {
 namespace {
 
-TEST(Gmsh, QuadraticElementsAreCurved) {
+TEST(Gmsh, ElementsOfSecondOrderHaveTheirNodesInVtkOrder) {
     const std::string text =
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
         "5 .5 0 0\n6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n9 0 .5 .5\n10 .5 0 .5\n$EndNodes\n$Elements\n2\n"
         "1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n2 9 2 0 1 1 2 3 5 6 7\n$EndElements\n";
     const ModelVolume volume = readModel("a.msh", text)->readVolume();
-    EXPECT_EQ(volume.curvedCells, 1);
-    EXPECT_EQ(volume.mesh.cellCount(), 0);
+    EXPECT_EQ(volume.curvedCells, 0);
+    ASSERT_EQ(volume.mesh.cellCount(), 1);
+    // Gmsh has the edge from 2 to 3 before the edge from 1 to 3.
+    EXPECT_THAT(volume.mesh.points(0), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 9, 8));
+    EXPECT_EQ(volume.facesBeside, 0);
+    EXPECT_EQ(volume.surface.faceCount(), 0);
     EXPECT_REFUSED(FileError, "a.msh: cell 0 of the volume has curved edges",
                    readLattice("a.msh", text));
 }

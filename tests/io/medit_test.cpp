@@ -26,7 +26,12 @@ TEST(Medit, QuadraticElementsAreCurved) {
     std::string text = sampleMedit();
     text.replace(text.find("End\n"), 4,
                  "TetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\nEdgesP2 1 1 2 3 0\n");
-    EXPECT_EQ(readModel("a.mesh", text)->readVolume().curvedCells, 1);
+    const ModelVolume volume = readModel("a.mesh", text)->readVolume();
+    EXPECT_EQ(volume.curvedCells, 0);
+    EXPECT_TRUE(volume.mesh.isSecondOrder(4));
+    // Another order of the nodes is not read.
+    const std::string ordered = text + "TetrahedraP2Ordering 1\n4 0 0 0\n";
+    EXPECT_EQ(readModel("a.mesh", ordered)->readVolume().curvedCells, 1);
     EXPECT_REFUSED(FileError, "cell 4 of the volume has curved edges", readLattice("a.mesh", text));
 }
 

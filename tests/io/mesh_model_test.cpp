@@ -224,6 +224,69 @@ TEST(MeshModel, CellsAreTurnedRightHanded) {
     }
 }
 
+// tests/hosts/second_order_test.py compares the orders of the points with VTK and Gmsh.
+TEST(MeshModel, UnstructuredGridsHaveCellsOfSecondOrder) {
+    for (const auto& [type, size] :
+         {std::pair(24, 10), {71, 10}, {27, 13}, {26, 15}, {32, 18}, {25, 20}, {29, 27}}) {
+        std::string coordinates, connectivity;
+        for (int i = 0; i < size; ++i) {
+            coordinates += concat(i, " ", i * i, " ", i * i * i, " ");
+            connectivity += concat(i, " ");
+        }
+        const std::string text = concat(
+            "<VTKFile type='UnstructuredGrid' version='1.0'><UnstructuredGrid>"
+            "<Piece NumberOfPoints='",
+            size,
+            "' NumberOfCells='1'><Points><DataArray type='Float64' "
+            "NumberOfComponents='3' format='ascii'>",
+            coordinates,
+            "</DataArray></Points><Cells><DataArray type='Int32' Name='connectivity' "
+            "format='ascii'>",
+            connectivity, "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>",
+            size, "</DataArray><DataArray type='UInt8' Name='types' format='ascii'>", type,
+            "</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>");
+        const ModelVolume volume = readModel("a.vtu", text)->readVolume();
+        EXPECT_EQ(volume.curvedCells, 0) << type;
+        ASSERT_EQ(volume.mesh.cellCount(), 1) << type;
+        EXPECT_EQ(volume.mesh.points(0).size(), std::size_t(size));
+        EXPECT_TRUE(volume.mesh.isSecondOrder(0));
+    }
+}
+
+TEST(MeshModel, UnstructuredGridsOfFacesAreSurfaces) {
+    const auto grid = [](int type, int size) {
+        std::string connectivity;
+        for (int i = 0; i < size; ++i) connectivity += concat(i, " ");
+        return concat(
+            "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+            "POINTS 9 float\n0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0 3 0 0 3 1 0 4 0 0\n"
+            "CELLS 1 ",
+            size + 1, "\n", size, " ", connectivity, "\nCELL_TYPES 1\n", type, "\n");
+    };
+    for (const auto& [type, size] : {std::pair(5, 3),
+                                     {7, 3},
+                                     {7, 4},
+                                     {8, 4},
+                                     {9, 4},
+                                     {22, 6},
+                                     {23, 8},
+                                     {28, 9},
+                                     {69, 6},
+                                     {70, 9}}) {
+        const ModelVolume volume = readModel("a.vtk", grid(type, size))->readVolume();
+        ASSERT_EQ(volume.surface.faceCount(), 1) << type;
+        EXPECT_EQ(volume.surface.points(0).size(), std::size_t(size));
+        EXPECT_THAT(uncheckedElements(volume), IsEmpty());
+    }
+    // A pixel goes by rows, and a strip of five points has three triangles.
+    EXPECT_THAT(readModel("a.vtk", grid(8, 4))->readVolume().surface.points(0),
+                ElementsAre(0, 1, 3, 2));
+    EXPECT_EQ(readModel("a.vtk", grid(6, 5))->readVolume().surface.faceCount(), 3);
+    EXPECT_EQ(readModel("a.vtk", grid(7, 5))->readVolume().polygons, 1);
+    EXPECT_EQ(readModel("a.vtk", grid(34, 7))->readVolume().curvedFaces, 1);
+    EXPECT_EQ(readModel("a.vtk", grid(22, 5))->readVolume().curvedFaces, 1);
+}
+
 TEST(MeshModel, UnstructuredGridsHaveVolumes) {
     const std::string text =
         "<VTKFile type='UnstructuredGrid' version='1.0' byte_order='LittleEndian'>\n"
@@ -237,11 +300,18 @@ TEST(MeshModel, UnstructuredGridsHaveVolumes) {
     const ModelVolume volume = readModel("a.vtu", text)->readVolume();
     EXPECT_EQ(volume.mesh.cellCount(), 2);
     EXPECT_EQ(volume.mesh.internalFaceCount(), 1);
-    // Quadratic cells are counted only.
-    std::string curved = text;
-    curved.replace(curved.find("10 5 10"), 7, "10 5 24");
-    EXPECT_EQ(readModel("a.vtu", curved)->readVolume().curvedCells, 1);
-    EXPECT_EQ(readModel("a.vtu", curved)->readVolume().mesh.cellCount(), 1);
+    EXPECT_EQ(volume.facesBeside, 0);
+    // A quadratic cell with the wrong number of points, and a cubic one, are counted only.
+    for (const char* types : {"10 5 24", "10 5 73"}) {
+        std::string curved = text;
+        curved.replace(curved.find("10 5 10"), 7, types);
+        EXPECT_EQ(readModel("a.vtu", curved)->readVolume().curvedCells, 1);
+        EXPECT_EQ(readModel("a.vtu", curved)->readVolume().mesh.cellCount(), 1);
+    }
+    // A triangle that is no face of a cell is counted.
+    std::string beside = text;
+    beside.replace(beside.find(" 0 1 2 0 2 1 4"), 14, " 0 1 4 0 2 1 3");
+    EXPECT_EQ(readModel("a.vtu", beside)->readVolume().facesBeside, 1);
     // Surfaces have no volume.
     EXPECT_EQ(
         readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")->readVolume().mesh.cellCount(),

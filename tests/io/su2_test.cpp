@@ -19,6 +19,7 @@ TEST(Su2, MeshesOfTwoDimensionsHaveNoZ) {
     EXPECT_EQ(model->positions()[4], (Point3{-1, 0.5, 0}));
     EXPECT_EQ(model->readSurface().faces.count(), 2u);
     EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
+    EXPECT_EQ(model->readVolume().surface.faceCount(), 2);
     auto moved = copyOf(model->positions());
     moved[4] = {-2, 0.25, 0};
     std::string expected = kPlane;

@@ -14,7 +14,7 @@ def model(tmp_path):
 
 def test_cells_are_checked(model):
     check = espalier.MeshCheck(model)
-    assert check.cell_count == 2 and check.curved_cells == 0 and len(check.bad_at_rest) == 0
+    assert check.cell_count == 2 and check.not_checked == {} and len(check.bad_at_rest) == 0
     moved = model.positions * (1, 1, 0.5)
     np.testing.assert_allclose(check.check(moved).ratios, [0.5, 0.5], rtol=1e-12)
     assert check.largest_step(moved).length == 1
@@ -29,7 +29,7 @@ def test_cells_are_checked(model):
 def test_quality_has_the_definitions_of_openfoam(model):
     quality = espalier.MeshCheck(model).quality(model.positions)
     assert quality == {"scaled_jacobian": 1, "non_orthogonality": 0, "mean_non_orthogonality": 0,
-                       "severely_non_orthogonal": 0, "skewness": pytest.approx(0, abs=1e-15),
+                       "severely_non_orthogonal": 0, "beyond_right_angle": 0, "skewness": pytest.approx(0, abs=1e-15),
                        "smallest_volume": pytest.approx(1, rel=1e-15),
                        "non_positive_volumes": 0, "negative_pyramids": 0}
     # Sheared by 45 degrees, the centres lie on a line along (1, 0, 1), and the face between has the normal (1, 0, 0).
@@ -42,16 +42,35 @@ def test_errors(model, tmp_path):
     with pytest.raises(ValueError, match="points"):
         check.check(model.positions[:-1])
     (tmp_path / "a.obj").write_text("v 0 0 0\n")
-    with pytest.raises(ValueError, match="a.obj has no cells of a volume"):
+    with pytest.raises(ValueError, match="a.obj has no cells$"):
         espalier.MeshCheck(espalier.read_model(tmp_path / "a.obj"))
     (tmp_path / "q.mesh").write_text(
         "MeshVersionFormatted 2\nDimension 3\nVertices 10\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n.5 0 0 0\n.5 .5 0 0\n"
-        "0 .5 0 0\n0 0 .5 0\n.5 0 .5 0\n0 .5 .5 0\nTetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\nEnd\n")
-    with pytest.raises(ValueError, match="q.mesh has 1 cells of a volume, all with curved edges"):
+        "0 .5 0 0\n0 0 .5 0\n.5 0 .5 0\n0 .5 .5 0\nTetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\n"
+        "TetrahedraP2Ordering 10\n4 0 0 0\nEnd\n")
+    with pytest.raises(ValueError, match="q.mesh has 1 cells of third order and above or of an unknown order of "
+                                         "points, which cannot be checked, and no other cells"):
         espalier.MeshCheck(espalier.read_model(tmp_path / "q.mesh"))
 
 
 def test_elements_of_unknown_types_are_counted(tmp_path):
     (tmp_path / "a.su2").write_text("NDIME= 3\nNELEM= 2\n10 0 1 2 3\n22 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
     check = espalier.MeshCheck(espalier.read_model(tmp_path / "a.su2"))
-    assert (check.cell_count, check.unknown_elements) == (1, 1)
+    assert (check.cell_count, check.not_checked) == (1, {"elements of unknown types": 1})
+
+
+def test_a_pose_is_shortened_until_it_is_valid(model):
+    check = espalier.MeshCheck(model)
+    moved = model.positions * (1, 1, -1)
+    points, share = check.shorten(moved)
+    assert share == pytest.approx(0.5, rel=1e-10)
+    np.testing.assert_allclose(points, model.positions * (1, 1, 1 - 2 * share), atol=1e-12)
+    assert check.check(points).inverted.size == 0
+    # The solver's criterion is searched within 1e-3, and never beyond what it accepts.
+    points, share = check.shorten(moved, criterion="solver")
+    assert 0.499 < share < 0.5 and check.solver_errors(points) == 0
+    # Both cells have a negative volume, and the format is not OpenFOAM's.
+    assert check.solver_errors(moved) == 2
+    assert check.shorten(model.positions, criterion="solver")[1] == 1
+    with pytest.raises(ValueError, match="criterion"):
+        check.shorten(moved, criterion="other")

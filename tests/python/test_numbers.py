@@ -105,7 +105,8 @@ OBJECTS = {"Lattice": BOX, "Refiner": espalier.Refiner(BOX), "CompiledTable": TA
 INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "pins", "numbers"}
 # A mesh of tetrahedra is checked in the same way: MeshCheck reads it from a file.
 MESH_CHECK = {"MeshCheck.check": {"points"}, "MeshCheck.largest_step": {"points", "most"},
-              "MeshCheck.quality": {"points"}}
+              "MeshCheck.quality": {"points"}, "MeshCheck.shorten": {"points"},
+              "MeshCheck.solver_errors": {"points"}}
 
 
 def real_arguments():
