@@ -41,6 +41,10 @@ struct InfoOptions : LatticeOptions {
     bool json = false;
     bool smoothness = false;
     bool asModel = false;
+    const CLI::Option* levels = nullptr;  ///< -n
+
+    /// True if an option asks for a lattice.
+    bool asLattice() const { return levels->count() > 0 || smoothness; }
 };
 
 using SortedJson = nlohmann::json;
@@ -406,7 +410,8 @@ struct DescribedFile {
 };
 
 /// Reads a lattice or a model. A file that can be both is a model if it has no cells of a volume,
-/// or with --model.
+/// or with --model. A mesh of a simulation is a model unless an option asks for its levels: as a
+/// lattice of a million cells, it takes 12 GB.
 DescribedFile readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = io::modelFile(options.lattice);
     DescribedFile result;
@@ -420,8 +425,9 @@ DescribedFile readDescribed(const InfoOptions& options) {
         throw io::FileError(path, "is not of a known format; expected a model: " +
                                       filesToRead(io::FileContent::Model) +
                                       "; or a lattice: " + filesToRead(io::FileContent::Lattice));
+    const bool isMesh = io::isMeshFile(path) && !options.asLattice();
     std::string bytes = io::readFile(path);
-    if (!isModel || (isLattice && !options.asModel)) {
+    if (!isModel || (isLattice && !options.asModel && !isMesh)) {
         try {
             result.lattice = io::readLattice(path, bytes, &result.notes);
             return result;
@@ -483,11 +489,14 @@ void addInfoCommand(CLI::App& program) {
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     addStrictOption(command, options.common);
+    options.levels = command.get_option("-n");
     command.get_option("LATTICE")->description(
         "A lattice: " + filesToRead(io::FileContent::Lattice) +
         "; a model: " + filesToRead(io::FileContent::Model) +
         "; or a bound model: .espb. A file that may be either is a lattice if it has cells of a "
-        "volume");
+        "volume; but a mesh of a simulation is a model, with its cells, patches and quality, "
+        "unless "
+        "-n or --smoothness is given");
     command.add_flag("--model", options.asModel,
                      "Describe a file that may be either as a model, whatever cells it has");
     command.add_flag("--json", options.json, "Print JSON");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_check.h"
 
+#include <espalier/base/printable.h>
 #include <espalier/io/animations/animation_file.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -99,6 +100,11 @@ MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
       isOpenFoam_(volume.isOpenFoam),
       unchecked_(io::uncheckedElements(volume)) {
     if (volume.count() == 0) return;
+    auto patches = stages.run("reading", [&] {
+        stages.addBytes(0);
+        return model.readPatches();
+    });
+    for (const far::MeshPatch& patch : patches) patches_.emplace_back(patch.name, patch.type);
     stages.run("checking cells", [&] {
         const far::VolumeMesh& mesh = volume.mesh;
         for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
@@ -119,9 +125,9 @@ MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
                                : model.stored(std::move(points));
         };
         check_ = ofFile(path, [&] {
-            return solve::MeshCheck(
-                {std::move(volume.mesh), std::move(volume.surface), volume.isOpenFoam, stored},
-                model.positions());
+            return solve::MeshCheck({std::move(volume.mesh), std::move(volume.surface),
+                                     std::move(patches), volume.isOpenFoam, stored},
+                                    model.positions());
         });
     });
 }
@@ -152,9 +158,26 @@ std::string MeshCheck::solverName() const {
     return isOpenFoam_ ? "checkMesh" : "a solver";
 }
 
+std::string MeshCheck::patchText(const solve::PatchDeviation& deviation) const {
+    const auto& [name, type] = patches_[deviation.patch];
+    const char* means = deviation.constraint == solve::Constraint::Plane
+                            ? "leaves its plane or its mirror image"
+                        : deviation.constraint == solve::Constraint::Sides
+                            ? "leaves its planes, or its opposite points part,"
+                            : "is no longer the image of its partner: it is off";
+    return fmt::format("the patch {}{} {} by {:.3g}, point {}", printable(name),
+                       type.empty() ? "" : " (" + printable(type) + ")", means, deviation.distance,
+                       deviation.point);
+}
+
 void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::string& pose,
                              const MeshOptions& options) const {
     if (check_->accepts(verdict, options.criterion)) return;
+    for (const solve::PatchDeviation& deviation : verdict.patches)
+        if (deviation.isBroken)
+            throw FailedCheck(fmt::format("{}: in this pose, {} of {}; nothing was written",
+                                          io::shownPath(pose), patchText(deviation),
+                                          io::shownPath(path_)));
     if (options.criterion == solve::Criterion::Solver)
         throw FailedCheck(fmt::format(
             "{}: in this pose of {}, {} finds {} errors more than at rest; nothing was written. "
@@ -181,6 +204,11 @@ void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::strin
 }
 
 void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose) const {
+    for (const solve::PatchDeviation& deviation : verdict.patches)
+        if (deviation.isBroken)
+            printError(fmt::format("warning: in {}, {}. --no-inverted writes nothing",
+                                   io::shownPath(pose), patchText(deviation))
+                           .c_str());
     const auto& inverted = verdict.validity.inverted;
     if (inverted.empty() || verdict.written < 1) return;
     const std::string ofSolver = check_->solverErrors(verdict.whole) > 0
@@ -227,6 +255,17 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     else
         line("  inverted          {}, the first {} {}\n", validity.inverted.size(), cell,
              validity.inverted.front());
+    Index kept = 0;
+    for (const solve::PatchDeviation& deviation : verdict.patches) {
+        kept += deviation.isBroken ? 0 : 1;
+        if (deviation.isBroken) line("  broken            {}\n", patchText(deviation));
+    }
+    if (kept > 0)
+        line("  constraints       {} of {} symmetry, wedge, empty and periodic patches are kept\n",
+             kept, verdict.patches.size());
+    for (const std::size_t patch : check_->patchesBrokenAtRest())
+        line("  not checked       the patch {}, which breaks its constraint at rest\n",
+             printable(patches_[patch].first));
     const char* measure = isSurface() ? "area" : "volume";
     if (validity.smallest)
         line("  worst ratio       {:.3g} ({} in the pose : at rest), {} {}\n",
@@ -278,6 +317,17 @@ OrderedJson MeshCheck::toJson(const solve::MeshVerdict& verdict, const std::stri
                         {"not_checked", OrderedJson::object()}};
     for (const auto& [count, name] : unchecked_) json["not_checked"][name] = count;
     if (!hasCells()) return json;
+    OrderedJson patches = OrderedJson::array(), broken = OrderedJson::array();
+    for (const solve::PatchDeviation& deviation : verdict.patches)
+        patches.push_back({{"name", patches_[deviation.patch].first},
+                           {"type", patches_[deviation.patch].second},
+                           {"distance", deviation.distance},
+                           {"point", deviation.point},
+                           {"broken", deviation.isBroken}});
+    for (const std::size_t patch : check_->patchesBrokenAtRest())
+        broken.push_back(patches_[patch].first);
+    json["patches"] = std::move(patches);
+    json["patches_not_checked"] = std::move(broken);
     const auto& smallest = verdict.validity.smallest;
     const auto& limiting = verdict.step.limitingCell;
     json.update(OrderedJson{

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "run.h"
@@ -63,7 +64,7 @@ public:
     void requireValid(const solve::MeshVerdict& verdict, const std::string& pose,
                       const MeshOptions& options) const;
 
-    /// Prints a warning to standard error if a pose inverts cells.
+    /// Prints warnings to standard error if a pose inverts cells or breaks patches.
     void warn(const solve::MeshVerdict& verdict, const std::string& pose) const;
 
     /// Returns a report of several lines. Of a mesh without cells that can be checked, it tells
@@ -77,6 +78,9 @@ public:
     ///                         quadrilaterals}: their numbers
     ///     second_order        how many of these are of second order
     ///     not_checked         {name: number} of the elements that are not checked
+    ///     patches             [{name, type, distance, point, broken}] of the constraint patches
+    ///                         (solve::PatchDeviation), in the whole pose
+    ///     patches_not_checked names of the patches that break their constraint at rest
     ///
     /// and if there are cells to check:
     ///
@@ -101,6 +105,7 @@ private:
     bool isSurface() const { return kinds_[5] + kinds_[6] > 0; }
     std::string cellName() const;
     std::string solverName() const;
+    std::string patchText(const solve::PatchDeviation& deviation) const;
 
     std::filesystem::path path_;
     std::filesystem::path output_;
@@ -108,6 +113,7 @@ private:
     Index secondOrder_ = 0;
     bool isOpenFoam_ = false;
     std::vector<io::UncheckedElements> unchecked_;
+    std::vector<std::pair<std::string, std::string>> patches_;  ///< their names and types
     std::optional<solve::MeshCheck> check_;
 };
 

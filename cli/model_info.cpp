@@ -4,11 +4,14 @@
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/model_part.h>
+#include <espalier/solve/mesh_quality.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -100,6 +103,89 @@ std::string namesText(const char* label, const std::vector<std::string>& names) 
     return text + "\n";
 }
 
+constexpr const char* kCellKinds[] = {"tetrahedra", "pyramids",  "wedges",        "hexahedra",
+                                      "polyhedra",  "triangles", "quadrilaterals"};
+
+/// Adds the cells of a mesh, its patches and its quality to a report, if the model is a mesh:
+///
+///     cells          {tetrahedra, pyramids, wedges, hexahedra, polyhedra, triangles,
+///                    quadrilaterals, second_order, not_checked}: their numbers
+///     patches        [{name, type, faces, points}]
+///     quality        {scaled_jacobian, non_orthogonality, skewness, smallest_volume,
+///                    non_positive_volumes}: null where nothing has the measure
+void addMesh(nlohmann::json& report, const io::Model& model) {
+    const io::ModelVolume volume = model.readVolume();
+    if (volume.count() == 0) return;
+    std::array<Index, std::size(kCellKinds)> kinds{};
+    Index secondOrder = 0, unchecked = 0;
+    for (Index cell = 0; cell < volume.mesh.cellCount(); ++cell) {
+        constexpr std::size_t kPolyhedron = 4;
+        const auto kind = volume.mesh.kind(cell);
+        ++kinds[kind ? static_cast<std::size_t>(*kind) : kPolyhedron];
+        secondOrder += volume.mesh.isSecondOrder(cell) ? 1 : 0;
+    }
+    for (Index face = 0; face < volume.surface.faceCount(); ++face) {
+        constexpr std::size_t kTriangle = 5, kQuadrilateral = 6;
+        ++kinds[volume.surface.corners(face).size() == 3 ? kTriangle : kQuadrilateral];
+        secondOrder += volume.surface.isSecondOrder(face) ? 1 : 0;
+    }
+    for (const auto& elements : io::uncheckedElements(volume)) unchecked += elements.count;
+    nlohmann::json cells = {{"second_order", secondOrder}, {"not_checked", unchecked}};
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) cells[kCellKinds[kind]] = kinds[kind];
+    nlohmann::json patches = nlohmann::json::array();
+    for (const far::MeshPatch& patch : model.readPatches())
+        patches.push_back({{"name", patch.name},
+                           {"type", patch.type},
+                           {"faces", patch.faces.offsets.size() - 1},
+                           {"points", patch.points.size()}});
+    const auto points = model.positions();
+    const solve::MeshQuality quality = volume.mesh.cellCount() > 0
+                                           ? solve::meshQuality(volume.mesh, points)
+                                           : solve::surfaceQuality(volume.surface, points, points);
+    const auto valueOf = [](const auto& value) {
+        return value ? nlohmann::json(value->value) : nlohmann::json(nullptr);
+    };
+    report["cells"] = std::move(cells);
+    report["patches"] = std::move(patches);
+    report["quality"] = {{"scaled_jacobian", valueOf(quality.smallestScaledJacobian)},
+                         {"non_orthogonality", valueOf(quality.largestNonOrthogonality)},
+                         {"skewness", valueOf(quality.largestSkewness)},
+                         {"smallest_volume", valueOf(quality.smallestVolume)},
+                         {"non_positive_volumes", quality.nonPositiveVolumes.size()}};
+}
+
+std::string meshText(const nlohmann::json& report) {
+    std::string kinds;
+    const auto& cells = report["cells"];
+    for (const char* kind : kCellKinds)
+        if (const auto count = cells[kind].get<Index>(); count > 0)
+            kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
+    std::string text = fmt::format("cells       {}", kinds);
+    if (const auto count = cells["second_order"].get<Index>(); count > 0)
+        text += fmt::format("; {} of second order", count);
+    if (const auto count = cells["not_checked"].get<Index>(); count > 0)
+        text += fmt::format("; {} further elements, which are not checked", count);
+    text += "\n";
+    for (const auto& patch : report["patches"]) {
+        const auto type = patch["type"].get<std::string>();
+        text += fmt::format("patch       {}{}: {} faces, {} points\n",
+                            printable(patch["name"].get<std::string>()),
+                            type.empty() ? "" : " (" + printable(type) + ")",
+                            patch["faces"].get<std::size_t>(), patch["points"].get<std::size_t>());
+    }
+    const auto measure = [&](const char* key) {
+        const auto& value = report["quality"][key];
+        return value.is_null() ? std::string("none") : fmt::format("{:.4g}", value.get<double>());
+    };
+    return text + fmt::format(
+                      "quality     scaled Jacobian at least {}, non-orthogonality at most "
+                      "{}, skewness at most {}\n"
+                      "            smallest volume {}, not above 0 in {} cells\n",
+                      measure("scaled_jacobian"), measure("non_orthogonality"), measure("skewness"),
+                      measure("smallest_volume"),
+                      report["quality"]["non_positive_volumes"].get<std::size_t>());
+}
+
 }  // namespace
 
 std::string boundsText(const BoundingBox& box) {
@@ -128,6 +214,7 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                              {"groups", io::namesOf(model.groups())},
                              {"notes", model.notes()},
                              {"precision", nameOf(model.storage())}};
+    addMesh(report, model);
     if (model.extension() == ".stl") {
         // Each facet has corners of its own; those at one place are one point of the surface.
         report["distinct_points"] = model.positions().size() - surface.pointsInNoFace;
@@ -156,6 +243,7 @@ std::string modelText(const nlohmann::json& report) {
     }
     text += boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()});
     text += fmt::format("precision   {}\n", report["precision"].get<std::string>());
+    if (report.contains("cells")) text += meshText(report);
     for (const char* key : {"attributes", "groups"})
         text += namesText(key, report[key].get<std::vector<std::string>>());
     return text;

@@ -78,6 +78,11 @@ bool isFileOf(FileContent content, const std::filesystem::path& path, FileUse us
     return findFormat(path, content, use) != nullptr;
 }
 
+bool isMeshFile(const std::filesystem::path& path) {
+    const Format* format = findFormat(path, FileContent::Model, FileUse::Read);
+    return format && format->isMesh;
+}
+
 std::vector<std::string> extensionsOf(FileContent content, FileUse use) {
     std::vector<std::string> extensions;
     for (const Format* format : formats())

@@ -35,6 +35,9 @@ enum class FileUse { Read, Write };
 ESPALIER_API bool isFileOf(FileContent content, const std::filesystem::path& path,
                            FileUse use = FileUse::Read);
 
+/// Returns true if a path names a format of the meshes of simulations.
+ESPALIER_API bool isMeshFile(const std::filesystem::path& path);
+
 /// Returns the extensions of the formats that hold this content, in lower case: ".obj". OpenFOAM
 /// has none.
 ESPALIER_API std::vector<std::string> extensionsOf(FileContent content, FileUse use);

@@ -136,6 +136,14 @@ std::vector<UncheckedElements> uncheckedElements(const ModelVolume& volume) {
     return all;
 }
 
+std::vector<PointGroup> groupsOf(std::vector<far::MeshPatch> patches) {
+    std::vector<PointGroup> groups;
+    for (far::MeshPatch& patch : patches)
+        groups.push_back(
+            {std::move(patch.name), [points = std::move(patch.points)] { return points; }});
+    return groups;
+}
+
 ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
     ModelFaces faces;
     for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face) {

@@ -5,6 +5,7 @@
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/base/progress.h>
+#include <espalier/far/mesh_patch.h>
 #include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
@@ -215,6 +216,9 @@ struct PointGroup {
     std::function<std::vector<Index>()> read;
 };
 
+/// Returns patches as groups, which hold the points.
+ESPALIER_API std::vector<PointGroup> groupsOf(std::vector<far::MeshPatch> patches);
+
 class ModelConversion;
 struct Format;
 
@@ -289,8 +293,15 @@ public:
     /// files; and normalized integers of glTF, as the file says.
     virtual std::vector<PointAttribute> attributes() const { return {}; }
 
-    /// Returns the groups, objects and materials of an OBJ, and the meshes, nodes and materials of
-    /// glTF, in the order of the file. Parts of one name are one group.
+    /// Reads the patches of the boundary of a mesh, and its groups of cells: the patches of
+    /// OpenFOAM, the markers of SU2, the physical groups of Gmsh, the references of Medit, the
+    /// sections and boundary conditions of CGNS. A group without a name has one of its dimension
+    /// and number: "surface 3", "volume 1". \throws FileError as readVolume() \cost one pass over
+    /// the file
+    virtual std::vector<far::MeshPatch> readPatches() const { return {}; }
+
+    /// Returns the groups, objects and materials of an OBJ, the meshes, nodes and materials of
+    /// glTF, and the patches of a mesh, in the order of the file. Parts of one name are one group.
     /// \throws FileError as readSurface()
     /// \cost one pass over the file; and one for each group that is read
     virtual std::vector<PointGroup> groups() const { return {}; }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/model_part.h>
 #include <espalier/solve/mesh_check.h>
 
 #include <pybind11/stl.h>
@@ -37,6 +38,7 @@ public:
     const solve::MeshCheck& mesh() const { return check_; }
     const solve::ValidityCheck& check() const { return check_.validity(); }
     const std::vector<io::UncheckedElements>& unchecked() const { return unchecked_; }
+    const std::string& nameOf(std::size_t patch) const { return names_[patch]; }
     std::vector<Point3> toPoses(const ArrayLike& points) const {
         return toPoints(points, "points", model_->model->positions().size());
     }
@@ -45,12 +47,19 @@ private:
     solve::MeshCheck makeCheck() {
         io::ModelVolume volume = volumeOf(*model_);
         unchecked_ = io::uncheckedElements(volume);
-        return {{std::move(volume.mesh), std::move(volume.surface), volume.isOpenFoam, {}},
+        auto patches = model_->model->readPatches();
+        names_ = io::namesOf(patches);
+        return {{std::move(volume.mesh),
+                 std::move(volume.surface),
+                 std::move(patches),
+                 volume.isOpenFoam,
+                 {}},
                 model_->model->positions()};
     }
 
     std::shared_ptr<const ModelFile> model_;
     std::vector<io::UncheckedElements> unchecked_;
+    std::vector<std::string> names_;  ///< of all patches
     solve::MeshCheck check_;
 };
 
@@ -138,6 +147,22 @@ the share of the way: 1 if the mesh is valid at the deformed points.
 
 criterion : "exact": no cell is inverted anywhere; "solver": the volumes are positive, and in a mesh of
             OpenFOAM, checkMesh finds no error that it does not find at rest
+)")
+        .def(
+            "broken_patches",
+            [](const MeshCheck& self, const ArrayLike& points) {
+                const auto pose = self.toPoses(points);
+                const auto deviations =
+                    withoutGil([&] { return self.mesh().constraints().check(pose); });
+                py::dict broken;
+                for (const solve::PatchDeviation& deviation : deviations)
+                    if (deviation.isBroken)
+                        broken[py::str(self.nameOf(deviation.patch))] = deviation.distance;
+                return broken;
+            },
+            "points"_a, R"(
+Finds the symmetry planes, wedges, empty patches and periodic pairs that points, array (N, 3), break.
+Returns a dict of the names of the patches and the largest distances.
 )")
         .def(
             "solver_errors",

@@ -28,6 +28,7 @@ MeshCheck::MeshCheck(CheckedMesh mesh, std::span<const Point3> rest)
       rest_(rest.begin(), rest.end()),
       check_(mesh_.volume.cellCount() > 0 ? ValidityCheck(mesh_.volume, rest)
                                           : ValidityCheck(mesh_.surface, rest)),
+      constraints_(mesh_.patches, rest),
       before_(qualityAt(rest)) {}
 
 Index MeshCheck::cellCount() const {
@@ -58,6 +59,7 @@ bool MeshCheck::isSound(const PoseValidity& validity, const MeshQuality& quality
 }
 
 bool MeshCheck::accepts(const MeshVerdict& verdict, Criterion criterion) const {
+    if (std::ranges::any_of(verdict.patches, &PatchDeviation::isBroken)) return false;
     return criterion == Criterion::Exact ? isSound(verdict.validity, verdict.whole)
                                          : solverErrors(verdict.whole) == 0;
 }
@@ -86,6 +88,7 @@ MeshVerdict MeshCheck::check(std::span<const Point3> points) const {
     verdict.step = check_.largestStep(pose);
     verdict.whole = qualityAt(pose);
     verdict.quality = verdict.whole;
+    verdict.patches = constraints_.check(pose);
     if (solverErrors(verdict.whole) > 0) verdict.solverStep = solverStep(pose, verdict.step.length);
     return verdict;
 }

@@ -4,8 +4,10 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/base/word.h>
+#include <espalier/far/mesh_patch.h>
 #include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
+#include <espalier/solve/constraint_patches.h>
 #include <espalier/solve/mesh_quality.h>
 #include <espalier/solve/validity.h>
 
@@ -31,6 +33,9 @@ struct CheckedMesh {
     far::VolumeMesh volume;
     far::SurfaceMesh surface;  ///< checked if `volume` has no cells
 
+    /// The patches, of which those with a constraint are checked (ConstraintPatches).
+    std::vector<far::MeshPatch> patches;
+
     /// True for a mesh of OpenFOAM: Criterion::Solver then counts as checkMesh does.
     bool isOpenFoam = false;
 
@@ -46,6 +51,9 @@ struct MeshVerdict {
     /// The largest share of the pose that Criterion::Solver accepts, found by halving within 1e-3;
     /// smaller shares are not proved. 1 if it accepts the pose.
     double solverStep = 1;
+
+    /// The constraint patches in the whole pose.
+    std::vector<PatchDeviation> patches;
 
     MeshQuality whole;    ///< the quality of the whole pose
     MeshQuality quality;  ///< the quality of the points that are written
@@ -95,7 +103,15 @@ public:
     /// \param points the positions in the pose; then those at MeshVerdict::written
     MeshVerdict shorten(std::vector<Point3>& points, Criterion criterion) const;
 
-    /// Returns true if a criterion accepts the whole pose of a verdict.
+    /// The patches that do not fulfil their constraint at rest, by number. They are not checked.
+    const std::vector<std::size_t>& patchesBrokenAtRest() const {
+        return constraints_.brokenAtRest();
+    }
+
+    /// The check of the patches alone.
+    const ConstraintPatches& constraints() const { return constraints_; }
+
+    /// Returns true if a criterion accepts the whole pose of a verdict, and no patch is broken.
     bool accepts(const MeshVerdict& verdict, Criterion criterion) const;
 
 private:
@@ -106,6 +122,7 @@ private:
     CheckedMesh mesh_;
     std::vector<Point3> rest_;
     ValidityCheck check_;
+    ConstraintPatches constraints_;
     MeshQuality before_;
 };
 

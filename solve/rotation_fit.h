@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/point.h>
+
 #include <Eigen/Dense>
 
 // The rotation nearest to a matrix; not installed.
 namespace espalier::solve {
+
+inline Eigen::Vector3d toEigen(const Point3& point) {
+    return {point[0], point[1], point[2]};
+}
 
 /// Returns the rotation R with the largest trace of Rᵀ A, by the singular values of A. It maps
 /// points q to targets y best if A = Σ y qᵀ.

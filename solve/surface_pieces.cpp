@@ -26,10 +26,6 @@ Point3 normalOf(std::span<const Index> corners, Positions positions) {
     return size > 0 ? scaled(area, 1 / std::sqrt(size)) : area;
 }
 
-Eigen::Vector3d toEigen(const Point3& point) {
-    return {point[0], point[1], point[2]};
-}
-
 /// Sums over pairs of places at rest and in a pose, relative to a point at rest and in the pose.
 struct Moments {
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< Σ y xᵀ

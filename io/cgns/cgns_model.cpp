@@ -25,6 +25,7 @@
 #include "../files/descriptor.h"
 #include "../files/number_types.h"
 #include "../format.h"
+#include "../meshes/patch_collector.h"
 #include "../meshes/surface_faces.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
@@ -291,6 +292,7 @@ public:
 
 private:
     struct Section {
+        std::string name;
         CGNS_ENUMT(ElementType_t) type;
         std::size_t first, count;
         std::vector<cgsize_t> elements;
@@ -335,6 +337,7 @@ private:
         }
         for (const Section& section : sections) {
             if (section.type == CGNS_ENUMV(NGON_n)) continue;
+            visitor_.beginGroups(std::span(&section.name, 1));
             for (std::size_t i = 0; i < section.count; ++i) {
                 auto row = rowOf(section, i);
                 if (section.type == CGNS_ENUMV(NFACE_n)) {
@@ -375,6 +378,7 @@ private:
                                   "; the types of CGNS are 0 to ", NofValidElementTypes - 1));
             if (end < start || size < 0)
                 file_.fail(concat("the section '", name.data(), "' has no elements"));
+            section.name = name.data();
             section.first = start;
             section.count = end - section.first + 1;
             const std::string what = concat("the section '", name.data(), "'");
@@ -550,6 +554,14 @@ public:
         visitCells(cells);
         return cells.finish(positions_);
     }
+
+    std::vector<far::MeshPatch> readPatches() const override {
+        PatchCollector patches;
+        visitCells(patches);
+        return patches.take();
+    }
+
+    std::vector<PointGroup> groups() const override { return groupsOf(readPatches()); }
 
 private:
     void readCoordinates(const NodeFile& nodes, Zone& zone) {

@@ -16,6 +16,13 @@ class CellVisitor {
 public:
     virtual ~CellVisitor() = default;
 
+    /// Returns true if the visitor needs beginGroups().
+    virtual bool wantsGroups() const { return false; }
+
+    /// The elements from here on belong to these groups, until the next call. At the beginning,
+    /// elements belong to none.
+    virtual void beginGroups(std::span<const std::string>) {}
+
     /// A tetrahedron, pyramid, wedge or hexahedron.
     /// \param points in VTK's order
     virtual void cell(far::StandardCell kind, std::span<const Index> points) = 0;

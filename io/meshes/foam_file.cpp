@@ -108,17 +108,24 @@ std::size_t FoamFile::count(const char* what, std::size_t minBytes) {
 }
 
 Index FoamFile::label(const char* what, Index least) {
+    if (!isBinary_) return textLabel(what, least);
+    checkCancelledEvery(items_++, 12);
+    if (bytes_.size() - position_ < labelBytes_) fail(concat("the file ends; expected ", what));
+    const std::int64_t number = labelBytes_ == 4
+                                    ? loadNumber<std::int32_t>(bytes_.data() + position_, order_)
+                                    : loadNumber<std::int64_t>(bytes_.data() + position_, order_);
+    position_ += labelBytes_;
+    return checkedLabel(number, what, least);
+}
+
+Index FoamFile::textLabel(const char* what, Index least) {
     std::int64_t number = 0;
-    if (isBinary_) {
-        checkCancelledEvery(items_++, 12);
-        if (bytes_.size() - position_ < labelBytes_) fail(concat("the file ends; expected ", what));
-        number = labelBytes_ == 4 ? loadNumber<std::int32_t>(bytes_.data() + position_, order_)
-                                  : loadNumber<std::int64_t>(bytes_.data() + position_, order_);
-        position_ += labelBytes_;
-    } else {
-        const std::string_view text = word(what);
-        if (!parseNumber(text, number)) fail(inQuotes(text) + " is not a number; expected " + what);
-    }
+    const std::string_view text = word(what);
+    if (!parseNumber(text, number)) fail(inQuotes(text) + " is not a number; expected " + what);
+    return checkedLabel(number, what, least);
+}
+
+Index FoamFile::checkedLabel(std::int64_t number, const char* what, Index least) const {
     if (number < least || number > kMaxIndex)
         fail(concat(what, " is ", number, "; expected ", least, " to ", kMaxIndex));
     return static_cast<Index>(number);
@@ -233,6 +240,32 @@ far::Rows<Index> FoamFile::faces() {
     }
     expect(")");
     return faces;
+}
+
+std::vector<FoamPatch> FoamFile::patches() {
+    const std::size_t patchCount = count("the number of patches", 2);
+    std::vector<FoamPatch> patches(patchCount);
+    expect("(");
+    for (FoamPatch& patch : patches) {
+        patch.name = word("the name of a patch");
+        expect("{");
+        while (true) {
+            const std::string key(word("a keyword of a patch"));
+            if (key == "}") break;
+            if (key == "nFaces") patch.faceCount = textLabel("the number of faces of a patch");
+            if (key == "startFace") patch.startFace = textLabel("the first face of a patch");
+            if (key == "type") patch.type = word("the type of a patch");
+            if (key == "neighbourPatch") patch.neighbourPatch = word("the name of a patch");
+            // The values of other keywords are skipped: words, lists, and dictionaries in braces.
+            int depth = 0;
+            for (std::string_view next = word(";"); next != ";" || depth > 0; next = word(";")) {
+                depth += next == "{" ? 1 : next == "}" ? -1 : 0;
+                if (next == "}" && depth == 0) break;
+            }
+        }
+    }
+    expect(")");
+    return patches;
 }
 
 void FoamFile::expectEnd() {

@@ -5,6 +5,7 @@
 #include <espalier/far/incidence.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,6 +16,13 @@
 // Reads single files of OpenFOAM: a header, and lists.
 
 namespace espalier::io {
+
+/// A patch of the boundary: the faces from `startFace` on.
+struct FoamPatch {
+    std::string name, type, neighbourPatch;
+    Index faceCount = 0;
+    Index startFace = 0;
+};
 
 /// Reads a file of OpenFOAM in the order of its text. All functions throw FileError with the line.
 class FoamFile {
@@ -40,6 +48,9 @@ public:
     /// Reads a list of faces: of lists of points, or the compact form of two lists.
     far::Rows<Index> faces();
 
+    /// Reads the list of patches of a file "boundary", which is text in binary cases, too.
+    std::vector<FoamPatch> patches();
+
     /// Throws unless only white space and comments are left.
     void expectEnd();
 
@@ -50,6 +61,8 @@ private:
     void expect(std::string_view mark);
     std::size_t count(const char* what, std::size_t minBytes);
     Index label(const char* what, Index least = 0);
+    Index textLabel(const char* what, Index least = 0);  ///< also in a binary file
+    Index checkedLabel(std::int64_t number, const char* what, Index least) const;
     double scalar(std::size_t axis, std::size_t& offset);
     [[noreturn]] void fail(const std::string& cause) const;
 

@@ -6,7 +6,9 @@
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -176,6 +178,7 @@ public:
             for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis);
         });
         sortTags();
+        if (visitor.wantsGroups()) readGroups();
         if (isVersion4_)
             readElements4(visitor);
         else
@@ -389,6 +392,74 @@ private:
         }
     }
 
+    /// Returns the name of a physical group of surfaces or volumes.
+    std::string groupName(std::int64_t dimension, std::int64_t tag) const {
+        const auto found = groupNames_.find({dimension, tag});
+        if (found != groupNames_.end()) return found->second;
+        return concat(dimension == 2 ? "surface " : "volume ", tag);
+    }
+
+    /// Begins the group of an element of version 2, which has one; 0 is none.
+    void beginGroup(std::int64_t dimension, std::int64_t tag, CellVisitor& visitor) const {
+        if (tag == 0 || dimension < 2) return visitor.beginGroups({});
+        const std::string name = groupName(dimension, tag);
+        visitor.beginGroups(std::span(&name, 1));
+    }
+
+    /// Reads the names of the physical groups; of version 4 the groups of the entities, too. Both
+    /// sections come before the nodes.
+    void readGroups() {
+        for (const bool areEntities : {false, true}) {
+            const char* name = areEntities ? "Entities" : "PhysicalNames";
+            if (areEntities && !isVersion4_) continue;
+            if (bytes_.find(concat("$", name, "\n")) == std::string_view::npos &&
+                bytes_.find(concat("$", name, "\r\n")) == std::string_view::npos)
+                continue;
+            GmshReader reader(path_, bytes_);
+            reader.seek(name);
+            if (areEntities)
+                reader.readEntities(*this);
+            else
+                reader.readNames(*this);
+        }
+    }
+
+    /// Reads the names, which are text in binary files, too.
+    void readNames(GmshReader& into) {
+        const std::size_t nameCount = text_.count("the number of physical names", 8);
+        for (std::size_t i = 0; i < nameCount; ++i) {
+            const auto dimension = text_.number<std::int64_t>("the dimension of a physical group");
+            const auto tag = text_.number<std::int64_t>("the tag of a physical group");
+            const std::string_view rest = text_.restOfLine();
+            const std::size_t begin = rest.find('"'), end = rest.rfind('"');
+            if (begin == std::string_view::npos || end <= begin + 1) continue;
+            into.groupNames_[{dimension, tag}] = rest.substr(begin + 1, end - begin - 1);
+        }
+    }
+
+    void readEntities(GmshReader& into) {
+        std::array<std::size_t, 4> counts{};
+        for (std::size_t& number : counts)
+            number = count<std::uint64_t>("the number of entities", isBinary_ ? 28 : 8);
+        for (std::int64_t dimension = 0; dimension < 4; ++dimension)
+            for (std::size_t i = 0; i < counts[dimension]; ++i) {
+                const std::int64_t entity = integer<std::int32_t>("the tag of an entity");
+                // A point, or the two corners of a box around the entity.
+                for (int number = 0; number < (dimension == 0 ? 3 : 6); ++number) skipParameter();
+                const std::size_t groups = count<std::uint64_t>("the number of physical groups", 4);
+                for (std::size_t group = 0; group < groups; ++group) {
+                    const std::int64_t tag = integer<std::int32_t>("the tag of a physical group");
+                    if (dimension >= 2)
+                        into.groupsOfEntities_[{dimension, entity}].push_back(
+                            into.groupName(dimension, std::abs(tag)));
+                }
+                if (dimension == 0) continue;
+                const std::size_t bounding = count<std::uint64_t>("the number of entities", 4);
+                for (std::size_t other = 0; other < bounding; ++other)
+                    integer<std::int32_t>("the tag of an entity");
+            }
+    }
+
     template <class Stored>
     void readElementNodes(const ElementType& type) {
         nodes_.clear();
@@ -419,8 +490,11 @@ private:
                                   " are left"));
             for (std::size_t i = 0; i < inBlock; ++i) {
                 if (isBinary_) integer<std::int32_t>("the number of an element");
-                for (std::size_t tag = 0; tag < tagCount; ++tag)
-                    integer<std::int32_t>("a tag of an element");
+                for (std::size_t tag = 0; tag < tagCount; ++tag) {
+                    const std::int64_t value = integer<std::int32_t>("a tag of an element");
+                    if (tag == 0 && visitor.wantsGroups())
+                        beginGroup(type->dimension, value, visitor);
+                }
                 readElementNodes<std::int32_t>(*type);
                 visit(*type, visitor);
             }
@@ -437,8 +511,9 @@ private:
         integer<std::uint64_t>("the largest tag of an element");
         std::size_t total = 0;
         for (std::size_t block = 0; block < blockCount; ++block) {
-            integer<std::int32_t>("the dimension of an entity");
-            integer<std::int32_t>("the tag of an entity");
+            const std::int64_t dimension = integer<std::int32_t>("the dimension of an entity");
+            const std::int64_t entity = integer<std::int32_t>("the tag of an entity");
+            if (visitor.wantsGroups()) visitor.beginGroups(groupsOfEntities_[{dimension, entity}]);
             const std::int64_t number = integer<std::int32_t>("the type of an element");
             const std::optional<ElementType> type = typeOf(number);
             const std::size_t inBlock =
@@ -468,7 +543,11 @@ private:
     std::optional<std::endian> order_;                  ///< the byte order of a binary file
     bool isDense_ = true;                               ///< whether node i has the tag i + 1
     std::vector<std::pair<std::int64_t, Index>> tags_;  ///< the tags of all nodes, and the nodes
-    std::vector<Index> nodes_;                          ///< the nodes of the current element
+
+    using DimensionAndTag = std::pair<std::int64_t, std::int64_t>;
+    std::map<DimensionAndTag, std::string> groupNames_;                     ///< of physical groups
+    std::map<DimensionAndTag, std::vector<std::string>> groupsOfEntities_;  ///< version 4
+    std::vector<Index> nodes_;  ///< the nodes of the current element
 };
 
 constexpr MeshFormat kGmshMesh = {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "mesh_format.h"
@@ -132,7 +133,14 @@ private:
                                       pointCount, ", counted from 1"));
                 node = static_cast<Index>(number - 1);
             }
-            if (hasReference) text_.token("the reference of an element");
+            if (hasReference) {
+                const std::string_view reference = text_.token("the reference of an element");
+                if (visitor.wantsGroups() && section.dimension >= 2) {
+                    const std::string name =
+                        concat(section.dimension == 2 ? "surface " : "volume ", reference);
+                    visitor.beginGroups(std::span(&name, 1));
+                }
+            }
             if (section.isCurved)
                 visitor.curvedCell(section.dimension, section.hasKnownOrder && !hasOrderings_
                                                           ? nodes

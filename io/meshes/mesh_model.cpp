@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "../lattices/lattice_parts.h"
 #include "mesh_format.h"
+#include "patch_collector.h"
 #include "surface_faces.h"
 #include "volume_cells.h"
 
@@ -22,6 +23,13 @@ ModelVolume readMeshVolume(const MeshFormat& format, const FileView& file) {
     VolumeCells cells;
     format.readCells(file.path, file.bytes, file.pointCount(), cells);
     return withPathInErrors(file.path, [&] { return cells.finish(file.numbers.points.values); });
+}
+
+std::vector<far::MeshPatch> readMeshPatches(const MeshFormat& format, const FileView& file) {
+    if (format.readPatches) return format.readPatches(file.path, file.pointCount());
+    PatchCollector patches;
+    format.readCells(file.path, file.bytes, file.pointCount(), patches);
+    return patches.take();
 }
 
 }  // namespace espalier::io

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -146,6 +147,33 @@ far::VolumeMesh readVolume(const Path& path, Index pointCount) {
     return meshOf(path, pointCount, readFoamCells(path));
 }
 
+/// Reads the patches of the file "boundary"; none if there is no such file.
+std::vector<far::MeshPatch> readPatches(const Path& path, Index pointCount) {
+    const auto folder = facesFolder(path);
+    if (!folder || !existsUncompressed(*folder / "boundary")) return {};
+    const far::VolumeMesh mesh = readVolume(path, pointCount);
+    const auto ofFile =
+        readFoamFile(*folder / "boundary", [](FoamFile& file) { return file.patches(); });
+    std::vector<far::MeshPatch> patches;
+    for (const FoamPatch& patch : ofFile) {
+        far::MeshPatch& result = patches.emplace_back(far::MeshPatch{patch.name, patch.type});
+        result.partner = patch.neighbourPatch;
+        if (patch.faceCount > mesh.faceCount() - patch.startFace)
+            throw FileError(
+                *folder / "boundary",
+                concat("the patch ", inQuotes(patch.name), " has the faces from ", patch.startFace,
+                       " on, ", patch.faceCount, " in number; there are ", mesh.faceCount()));
+        for (Index face = patch.startFace; face < patch.startFace + patch.faceCount; ++face) {
+            const auto corners = mesh.face(face);
+            result.points.insert(result.points.end(), corners.begin(), corners.end());
+            result.faces.values.insert(result.faces.values.end(), corners.begin(), corners.end());
+            result.faces.offsets.push_back(static_cast<Offset>(result.faces.values.size()));
+        }
+        sortUnique(result.points);
+    }
+    return patches;
+}
+
 void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor& visitor) {
     const far::VolumeMesh mesh = meshOf(path, pointCount, readFoamCells(path));
     std::vector<std::vector<Index>> loops;
@@ -194,7 +222,7 @@ void checkTarget(const FileView& file, const Path& target) {
         refuse(concat("which has ", count, " points, and not ", file.pointCount()));
 }
 
-constexpr MeshFormat kFoamMesh = {readPoints, readCells, readVolume, checkTarget};
+constexpr MeshFormat kFoamMesh = {readPoints, readCells, readVolume, readPatches, checkTarget};
 
 /// Returns the folder polyMesh that a folder means; nothing if there is none.
 std::optional<Path> polyMeshOf(const Path& folder) {

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "mesh_format.h"
@@ -60,7 +62,15 @@ public:
                 zoneEnd_ += static_cast<Index>(inZone);
                 return true;
             }
+            if (keyword == "MARKER_TAG") {
+                marker_ = takeWord(value);
+                return false;
+            }
             if (keyword == "NELEM" || keyword == "MARKER_ELEMS") {
+                if (visitor.wantsGroups()) {
+                    if (keyword == "NELEM") marker_.clear();
+                    visitor.beginGroups(std::span(&marker_, marker_.empty() ? 0 : 1));
+                }
                 const std::size_t elementCount = countOf(value, std::string(keyword).c_str(), 4);
                 for (std::size_t i = 0; i < elementCount; ++i) readElement(pointCount, visitor);
                 return true;
@@ -224,6 +234,7 @@ private:
     std::optional<Index> lastNode_;  ///< the largest that an element of the zone names
     std::size_t lastNodeLine_ = 0;
     std::vector<Index> nodes_;  ///< the nodes of the current element
+    std::string marker_;        ///< the name of the current marker; empty for the volume
 };
 
 constexpr MeshFormat kSu2Mesh = {

@@ -57,8 +57,12 @@ public:
         return functions_.attributes ? functions_.attributes(view())
                                      : std::vector<PointAttribute>();
     }
+    std::vector<far::MeshPatch> readPatches() const override {
+        return functions_.readPatches ? functions_.readPatches(view())
+                                      : std::vector<far::MeshPatch>();
+    }
     std::vector<PointGroup> groups() const override {
-        return functions_.groups ? functions_.groups(view()) : std::vector<PointGroup>();
+        return functions_.groups ? functions_.groups(view()) : groupsOf(readPatches());
     }
 
 private:

@@ -94,6 +94,9 @@ struct FileModelFormat {
     std::vector<PointAttribute> (*attributes)(const FileView& file) = nullptr;
     std::vector<PointGroup> (*groups)(const FileView& file) = nullptr;
 
+    /// Model::readPatches(), which are groups, too; null if the format has none.
+    std::vector<far::MeshPatch> (*readPatches)(const FileView& file) = nullptr;
+
     /// Throws unless the numbers may be written to `target`; null if any name will do.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
 

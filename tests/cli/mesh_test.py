@@ -320,6 +320,54 @@ class Mesh(CliTest):
         self.assertIn("m.espb: has no cells of a volume, so there is nothing to check for --largest-step; the faces",
                       self.error_of("apply", "m.espb", "--to", "pose.ovm", "-o", "copy", "--largest-step"))
 
+    def test_constraint_patches(self):
+        folder = self.put_case("case")
+        (folder / "boundary").write_text(
+            HEADER % "polyBoundaryMesh" + "2\n(\n bottom\n {\n type symmetryPlane;\n inGroups List<word> 1(symmetry);\n"
+            " nFaces 1;\n startFace 0;\n }\n walls { type wall; nFaces 3; startFace 1; }\n)\n")
+        info = self.run_program("info", "case").stdout
+        self.assertIn("cells       1 tetrahedra\npatch       bottom (symmetryPlane): 1 faces, 3 points\n"
+                      "patch       walls (wall): 3 faces, 4 points\n", info)
+        report = json.loads(self.run_program("info", "case", "--json").stdout)
+        self.assertEqual(report["patches"][1], {"name": "walls", "type": "wall", "faces": 3, "points": 4})
+        self.assertEqual((report["cells"]["tetrahedra"], report["groups"]), (1, ["bottom", "walls"]))
+        shutil.copytree(self.path / "case", self.path / "copy")
+        # z = 0 stays; then it moves by 0.5.
+        self.write_pose("good.ovm", "rest.ovm", lambda p: (p[0], p[1] + p[2], 2 * p[2]))
+        mesh, = self.report(model="case", out="copy", pose="good.ovm")["meshes"]
+        self.assertEqual((mesh["patches"][0]["name"], mesh["patches"][0]["broken"]), ("bottom", False))
+        result = self.deform_mesh("--no-inverted", model="case", out="copy", pose="good.ovm")
+        self.assertIn("  constraints       1 of 1 symmetry, wedge, empty and periodic patches are kept\n", result.stdout)
+        self.write_pose("bad.ovm", "rest.ovm", lambda p: (p[0], p[1], p[2] + 0.5))
+        result = self.deform_mesh(model="case", out="copy", pose="bad.ovm")
+        text = "the patch bottom (symmetryPlane) leaves its plane or its mirror image by 0.5, point 0"
+        self.assertIn(f"  broken            {text}\n", result.stdout)
+        self.assertIn(f"warning: in bad.ovm, {text}. --no-inverted writes nothing", result.stderr)
+        self.assertIn(f"bad.ovm: in this pose, {text} of case; nothing was written",
+                      self.deform_mesh("--no-inverted", model="case", out="copy", pose="bad.ovm", code=3).stderr)
+        # A plane that is bent at rest is named.
+        (folder / "points").write_text(FOAM["points"])
+        (folder / "boundary").write_text((folder / "boundary").read_text().replace("nFaces 1;", "nFaces 2;"))
+        self.assertIn("  not checked       the patch bottom, which breaks its constraint at rest\n",
+                      self.deform_mesh(model="case", out="copy").stdout)
+        (folder / "boundary").write_text((folder / "boundary").read_text().replace("nFaces 3;", "nFaces 9;"))
+        self.assertIn("the patch 'walls' has the faces from 1 on, 9 in number; there are 4",
+                      self.deform_mesh("--no-inverted", model="case", out="copy", code=1).stderr)
+
+    def test_patches_by_name(self):
+        self.put("a.su2", SU2.replace("NMARK= 0\n", "NMARK= 2\nMARKER_TAG= y_symmetry\nMARKER_ELEMS= 1\n5 0 2 1\n"
+                                      "MARKER_TAG= tip\nMARKER_ELEMS= 2\n5 0 1 3\n5 1 2 3\n"))
+        self.put("m.msh", MSH.replace("$Nodes", '$PhysicalNames\n2\n2 1 "low"\n3 7 "fluid"\n$EndPhysicalNames\n$Nodes') %
+                 (4, numbered(POINTS), 3, "1 4 2 7 1 1 2 3 4\n2 2 2 1 1 1 3 2\n3 2 2 5 1 1 2 4\n"))
+        self.assertEqual([patch["name"] for patch in json.loads(
+            self.run_program("info", "m.msh", "--json").stdout)["patches"]], ["fluid", "low", "surface 5"])
+        self.write_pose("bad.ovm", "rest.ovm", lambda p: (p[0], p[1], p[2] + 0.5))
+        mesh, = self.report(pose="bad.ovm")["meshes"]
+        self.assertEqual([(patch["name"], patch["broken"]) for patch in mesh["patches"]], [("y_symmetry", True)])
+        # Only the points of a patch move.
+        self.deform_mesh("--only", "y_symmetry", pose="bad.ovm")
+        self.assertEqual(self.text("out.su2").splitlines()[4:8], ["0 0 0.5", "1 0 0.5", "0 1 0.5", "0 0 1"])
+
     def test_the_points_of_another_openfoam_case_are_kept(self):
         self.put_case("case")
         other = self.put_case("other")

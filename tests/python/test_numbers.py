@@ -106,7 +106,7 @@ INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed",
 # A mesh of tetrahedra is checked in the same way: MeshCheck reads it from a file.
 MESH_CHECK = {"MeshCheck.check": {"points"}, "MeshCheck.largest_step": {"points", "most"},
               "MeshCheck.quality": {"points"}, "MeshCheck.shorten": {"points"},
-              "MeshCheck.solver_errors": {"points"}}
+              "MeshCheck.solver_errors": {"points"}, "MeshCheck.broken_patches": {"points"}}
 
 
 def real_arguments():

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/solve/constraint_patches.h>
+
+#include <cmath>
+
+#include "poses.h"
+#include "support/test.h"
+
+namespace espalier::solve {
+namespace {
+
+far::MeshPatch patchOf(const std::string& name, const std::string& type,
+                       const std::vector<std::vector<Index>>& faces,
+                       const std::string& partner = {}) {
+    far::MeshPatch patch{name, type};
+    patch.partner = partner;
+    for (const auto& face : faces) {
+        patch.points.insert(patch.points.end(), face.begin(), face.end());
+        patch.faces.values.insert(patch.faces.values.end(), face.begin(), face.end());
+        patch.faces.offsets.push_back(Offset(patch.faces.values.size()));
+    }
+    std::ranges::sort(patch.points);
+    const auto twice = std::ranges::unique(patch.points);
+    patch.points.erase(twice.begin(), twice.end());
+    return patch;
+}
+
+/// The corners of a cube of side 1: corner i + 2j + 4k is at (i, j, k).
+Positions cubeCorners() {
+    Positions points;
+    for (int i = 0; i < 8; ++i)
+        points.push_back({double(i & 1), double(i >> 1 & 1), double(i >> 2)});
+    return points;
+}
+
+const std::vector<Index> kBottom = {0, 2, 3, 1}, kTop = {4, 5, 7, 6};
+
+TEST(ConstraintPatches, TypesAndNamesHaveConstraints) {
+    const std::vector<std::vector<Index>> faces = {kBottom};
+    EXPECT_EQ(constraintOf(patchOf("a", "symmetryPlane", faces)), Constraint::Plane);
+    EXPECT_EQ(constraintOf(patchOf("a", "wedge", faces)), Constraint::Plane);
+    EXPECT_EQ(constraintOf(patchOf("a", "empty", faces)), Constraint::Sides);
+    EXPECT_EQ(constraintOf(patchOf("a", "cyclic", faces, "b")), Constraint::Periodic);
+    EXPECT_EQ(constraintOf(patchOf("a", "wall", faces)), std::nullopt);
+    EXPECT_EQ(constraintOf(patchOf("Symmetry", "patch", faces)), std::nullopt);
+    // Formats without types: by the name.
+    EXPECT_EQ(constraintOf(patchOf("y_SYMMETRY", "", faces)), Constraint::Plane);
+    EXPECT_EQ(constraintOf(patchOf("asymptote", "", faces)), std::nullopt);
+    EXPECT_EQ(constraintOf(patchOf("symmetry", "", {})), std::nullopt);
+}
+
+// The diagonal of the cube is √3, so the tolerance is 1.7e-10.
+TEST(ConstraintPatches, PlanesMayStretchInThemselvesOnly) {
+    const std::vector<far::MeshPatch> patches = {patchOf("sym", "symmetryPlane", {kBottom}),
+                                                 patchOf("wall", "wall", {kTop})};
+    const ConstraintPatches check(patches, cubeCorners());
+    EXPECT_THAT(check.brokenAtRest(), IsEmpty());
+    Positions pose = cubeCorners();
+    pose[3] = {2, 3, 0};
+    pose[7] = {1, 1, 5};
+    auto deviations = check.check(pose);
+    ASSERT_EQ(deviations.size(), 1u);
+    EXPECT_FALSE(deviations[0].isBroken);
+    pose[3][2] = 1e-10;
+    EXPECT_FALSE(check.check(pose)[0].isBroken);
+    pose[3][2] = -0.25;
+    deviations = check.check(pose);
+    EXPECT_TRUE(deviations[0].isBroken);
+    EXPECT_EQ(deviations[0].patch, 0u);
+    EXPECT_EQ(deviations[0].point, 3);
+    EXPECT_NEAR(deviations[0].distance, 0.25, 1e-15);
+    // The whole plane must stay where it is.
+    pose = cubeCorners();
+    for (const Index point : kBottom) pose[point][2] -= 1;
+    EXPECT_NEAR(check.check(pose)[0].distance, 1, 1e-15);
+}
+
+TEST(ConstraintPatches, OppositePointsOfTheSidesStayOpposite) {
+    const std::vector<far::MeshPatch> patches = {patchOf("frontAndBack", "empty", {kBottom, kTop})};
+    const ConstraintPatches check(patches, cubeCorners());
+    EXPECT_THAT(check.brokenAtRest(), IsEmpty());
+    Positions pose = cubeCorners();
+    for (const Index point : {3, 7}) pose[point][0] += 0.5;
+    EXPECT_FALSE(check.check(pose)[0].isBroken);
+    pose[7][0] += 0.125;  // Within its plane, and no longer opposite.
+    EXPECT_TRUE(check.check(pose)[0].isBroken);
+    EXPECT_NEAR(check.check(pose)[0].distance, 0.125, 1e-15);
+    pose = cubeCorners();
+    pose[6][2] = 1.5;  // Out of its plane.
+    EXPECT_NEAR(check.check(pose)[0].distance, 0.5, 1e-15);
+    EXPECT_EQ(check.check(pose)[0].point, 6);
+}
+
+// Periodic by a shift, and by a turn: the second patch is the image of the first one, whose faces
+// go around in the other direction.
+TEST(ConstraintPatches, PeriodicPatchesStayImages) {
+    const auto image = [](const std::vector<Index>& face) {
+        std::vector<Index> result = {face[0]};
+        result.insert(result.end(), face.rbegin(), face.rend() - 1);
+        for (Index& point : result) point += 4;
+        return result;
+    };
+    for (const double angle : {0.0, 0.5, 3.0}) {
+        const auto motion = [angle](const Point3& p) {
+            return Point3{std::cos(angle) * p[0] - std::sin(angle) * p[2], p[1],
+                          std::sin(angle) * p[0] + std::cos(angle) * p[2] + (angle == 0 ? 2 : 0)};
+        };
+        // A patch that is not plane, of two triangles.
+        Positions rest = {{1, 0, 0}, {2, 0, 0}, {2, 1, 0.25}, {1, 1, 0}};
+        for (int i = 0; i < 4; ++i) rest.push_back(motion(rest[std::size_t(i)]));
+        const std::vector<std::vector<Index>> faces = {{0, 1, 2}, {0, 2, 3}};
+        const std::vector<far::MeshPatch> patches = {
+            patchOf("a", "cyclic", faces, "b"),
+            patchOf("b", "cyclic", {image(faces[0]), image(faces[1])}, "a")};
+        const ConstraintPatches check(patches, rest);
+        EXPECT_THAT(check.brokenAtRest(), IsEmpty()) << angle;
+        Positions pose = rest;
+        pose[2] = {2.5, 0.75, 0.5};
+        pose[6] = motion(pose[2]);
+        for (const PatchDeviation& deviation : check.check(pose)) {
+            EXPECT_FALSE(deviation.isBroken) << angle << " " << deviation.distance;
+        }
+        pose[6][1] += 1e-6;
+        ASSERT_EQ(check.check(pose).size(), 2u);
+        for (const PatchDeviation& deviation : check.check(pose)) {
+            EXPECT_TRUE(deviation.isBroken);
+            EXPECT_NEAR(deviation.distance, 1e-6, 1e-12);
+        }
+    }
+}
+
+// Two sides of a wedge about the x axis: a point may move in its plane if its mirror image does.
+TEST(ConstraintPatches, WedgesStayMirrorImages) {
+    const Positions rest = {{0, 1, 0.25},  {2, 1, 0.25},  {2, 2, 0.5},  {0, 2, 0.5},
+                            {0, 1, -0.25}, {2, 1, -0.25}, {2, 2, -0.5}, {0, 2, -0.5}};
+    const std::vector<far::MeshPatch> patches = {patchOf("front", "wedge", {{0, 1, 2, 3}}),
+                                                 patchOf("back", "wedge", {{4, 7, 6, 5}})};
+    const ConstraintPatches check(patches, rest);
+    Positions pose = rest;
+    pose[2] = {2.5, 3, 0.75};
+    pose[6] = {2.5, 3, -0.75};
+    for (const PatchDeviation& deviation : check.check(pose)) EXPECT_FALSE(deviation.isBroken);
+    pose[6] = {2.25, 3, -0.75};
+    ASSERT_EQ(check.check(pose).size(), 2u);
+    for (const PatchDeviation& deviation : check.check(pose)) {
+        EXPECT_TRUE(deviation.isBroken);
+        EXPECT_NEAR(deviation.distance, 0.25, 1e-14);
+    }
+}
+
+TEST(ConstraintPatches, BrokenAtRestIsNotChecked) {
+    Positions rest = cubeCorners();
+    rest[3][2] = 0.5;
+    const std::vector<far::MeshPatch> patches = {
+        patchOf("bent", "symmetry", {kBottom}),
+        patchOf("three", "empty", {kBottom, kTop, {0, 1, 5, 4}}),
+        patchOf("alone", "cyclic", {kTop}, "missing"), patchOf("good", "wedge", {kTop})};
+    const ConstraintPatches check(patches, rest);
+    EXPECT_THAT(check.brokenAtRest(), ElementsAre(0u, 1u, 2u));
+    ASSERT_EQ(check.check(rest).size(), 1u);
+    EXPECT_EQ(check.check(rest)[0].patch, 3u);
+    EXPECT_REFUSED(Error, "got 7 positions for 8 points", check.check(std::span(rest).first(7)));
+}
+
+}  // namespace
+}  // namespace espalier::solve
