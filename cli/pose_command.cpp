@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
@@ -45,6 +46,7 @@ struct PoseOptions {
     std::string lattice;
     std::string output;
     std::vector<Step> steps;
+    std::vector<std::string> displacements;  ///< the files of --displacements
 };
 
 /// Returns a check that a word names a direction.
@@ -125,7 +127,8 @@ void checkModifiers(std::span<const Step> steps) {
 
 void runPose(const PoseOptions& options) {
     checkModifiers(options.steps);
-    Job job(options.common, {{"LATTICE", options.lattice}});
+    Job job(options.common,
+            {{"LATTICE", options.lattice}, {"--displacements", options.displacements}});
     job.writesLattice(options.output);
     Stages& stages = job.stages();
     Lattice lattice = readLattice(options.lattice, stages);
@@ -135,6 +138,8 @@ void runPose(const PoseOptions& options) {
             try {
                 step.run(posing);
             } catch (const MemoryError&) {
+                throw;
+            } catch (const io::FileError&) {
                 throw;
             } catch (const ArgumentError& error) {
                 throw CLI::ValidationError(step.option, error.messageOfField(std::identity()));
@@ -194,7 +199,8 @@ double radians(double degrees) {
     return degrees * (std::numbers::pi / 180);
 }
 
-void addOperations(CLI::App& command, std::vector<Step>& steps) {
+void addOperations(CLI::App& command, PoseOptions& of) {
+    std::vector<Step>& steps = of.steps;
     using Lengths = std::array<std::string, 3>;
     addStep<Lengths>(command, steps, "--move", "Move by a vector",
                      [](Posing& posing, const Lengths& words) {
@@ -209,6 +215,18 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
         ->check(isLengthOf("the numbers X Y Z"))
         ->type_name("X Y Z")
         ->allow_extra_args();
+    command
+        .add_option_function<std::string>(
+            "--displacements",
+            [&of](const std::string& path) {
+                of.displacements.push_back(path);
+                of.steps.push_back(
+                    {"--displacements", [path](Posing& posing) { posing.displace(path); }});
+            },
+            "Move each vertex by its own vector, from a table of vertices and vectors: " +
+                filesToRead(io::FileContent::Displacements))
+        ->type_name("FILE")
+        ->trigger_on_parse();
     addAlongAxis(
         command, steps, "--rotate", "DEGREES",
         "Rotate about an axis (x, y or z) through the centre, anticlockwise seen from its "
@@ -371,7 +389,7 @@ void addPoseCommand(CLI::App& program) {
                     "The lattice: " + filesToRead(io::FileContent::Lattice))
         ->required();
     addSelections(command, options.steps);
-    addOperations(command, options.steps);
+    addOperations(command, options);
     addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
         ->required();
     addRunOptions(command, options.common);

@@ -2,6 +2,7 @@
 #include "posing.h"
 
 #include <espalier/base/printable.h>
+#include <espalier/io/displacements.h>
 #include <espalier/shapes/cell_selection.h>
 #include <espalier/shapes/limb.h>
 #include <fmt/format.h>
@@ -49,6 +50,14 @@ void Posing::setFalloff(const shapes::Falloff& falloff) {
         throw CLI::ValidationError(
             kOption, "the values of an attribute are the weights already, without falloff");
     falloff_ = falloff;
+}
+
+void Posing::displace(const std::string& path) {
+    const auto displacements =
+        io::readDisplacements(path, static_cast<Index>(lattice_.positions.size()));
+    operate([&](const auto& positions, const shapes::pose::Options& options) {
+        return shapes::pose::displace(positions, displacements, options.weights);
+    });
 }
 
 void Posing::mirror(const MirrorPlane& at) {

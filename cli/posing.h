@@ -44,6 +44,10 @@ public:
         positions_ = operate(std::span<const Point3>(positions_), options);
     }
 
+    /// Moves each selected vertex by its displacement in a file.
+    /// \throws io::FileError
+    void displace(const std::string& path);
+
     /// Mirrors the selected vertices to the other side of a plane.
     void mirror(const MirrorPlane& at);
 

@@ -89,6 +89,7 @@ struct Format {
 
     bool isBoundModel = false;
     bool isTargets = false;
+    bool isDisplacements = false;
 
     /// The first extension, or the name of the file if the format has none.
     std::string_view extension() const { return extensions[0]; }
@@ -105,7 +106,7 @@ extern const Format kGmshFormat, kSu2Format, kMeditFormat, kPlot3dFormat, kFoamF
 extern const Format kMatrixMarketFormat, kNumpyArchiveFormat, kNumpyArraysFormat,
     kPetscBinaryFormat;
 extern const Format kPointCacheFormat, kMotionDesignerFormat, kGltfFormat;
-extern const Format kBoundModelFormat, kTargetsFormat;
+extern const Format kBoundModelFormat, kTargetsFormat, kCommaSeparatedFormat;
 
 /// Returns the format with this content that a path names; null if there is none. (A folder "a.obj"
 /// can be a case of OpenFOAM, and so a lattice.)

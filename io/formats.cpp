@@ -14,13 +14,14 @@ namespace {
 /// All formats, in the order in which messages list them; and the formats of optional components.
 std::vector<const Format*>& formats() {
     static std::vector<const Format*> formats = {
-        &kOvmFormat,          &kObjFormat,          &kPlyFormat,
-        &kStlFormat,          &kVtuFormat,          &kVtpFormat,
-        &kVtkLegacyFormat,    &kGmshFormat,         &kSu2Format,
-        &kMeditFormat,        &kPlot3dFormat,       &kFoamFormat,
-        &kMatrixMarketFormat, &kNumpyArchiveFormat, &kNumpyArraysFormat,
-        &kPetscBinaryFormat,  &kPointCacheFormat,   &kMotionDesignerFormat,
-        &kGltfFormat,         &kBoundModelFormat,   &kTargetsFormat};
+        &kOvmFormat,           &kObjFormat,          &kPlyFormat,
+        &kStlFormat,           &kVtuFormat,          &kVtpFormat,
+        &kVtkLegacyFormat,     &kGmshFormat,         &kSu2Format,
+        &kMeditFormat,         &kPlot3dFormat,       &kFoamFormat,
+        &kMatrixMarketFormat,  &kNumpyArchiveFormat, &kNumpyArraysFormat,
+        &kPetscBinaryFormat,   &kPointCacheFormat,   &kMotionDesignerFormat,
+        &kGltfFormat,          &kBoundModelFormat,   &kTargetsFormat,
+        &kCommaSeparatedFormat};
     return formats;
 }
 
@@ -60,6 +61,8 @@ bool Format::holds(FileContent content, FileUse use) const {
             return isBoundModel;
         case FileContent::Targets:
             return isRead && isTargets;
+        case FileContent::Displacements:
+            return isRead && isDisplacements;
     }
     return false;
 }

@@ -22,9 +22,10 @@ enum class FileContent {
     Model,
     EditorMesh,  ///< the vertices and faces of a lattice, which mesh editors move
     Matrix,
-    Animation,   ///< all poses of a model
-    BoundModel,  ///< a model with its matrix
-    Targets      ///< wanted positions of points
+    Animation,     ///< all poses of a model
+    BoundModel,    ///< a model with its matrix
+    Targets,       ///< wanted positions of points
+    Displacements  ///< how far vertices of a lattice move
 };
 
 enum class FileUse { Read, Write };

@@ -85,6 +85,21 @@ positions : (N, 3) array of float; weights : array (N,) of float from 0 to 1, th
 that each position moves by (1)
 )");
     module.def(
+        "displace",
+        [](const ArrayLike& positions, const ArrayLike& displacements, const py::object& weights) {
+            const Arguments given(positions, weights);
+            return toArray(pose::displace(
+                given.positions, toPoints(displacements, "displacements", given.positions.size()),
+                given.weights));
+        },
+        "positions"_a, "displacements"_a, py::kw_only(), "weights"_a = py::none(),
+        R"(
+Moves each position by its own vector.
+
+positions, displacements : (N, 3) arrays of float; weights : array (N,) of float from 0 to 1, the part
+of its vector that each position moves by (1)
+)");
+    module.def(
         "rotate",
         [](const ArrayLike& positions, const Axis& axis, double angle, const py::object& weights,
            const std::optional<Point3>& center) {

@@ -60,11 +60,17 @@ struct Weighted {
     /// \throws Error if a result is too large for a number
     template <class Map>
     std::vector<Point3> mapped(const Map& map) const {
+        return mappedEach([&](std::size_t, const Point3& p, double w) { return map(p, w); });
+    }
+
+    /// The same for map(number of the position, position, weight).
+    template <class Map>
+    std::vector<Point3> mappedEach(const Map& map) const {
         std::vector<Point3> result(positions.begin(), positions.end());
         for (std::size_t i = 0; i < result.size(); ++i) {
             checkCancelledEvery(i, 14);
             if (!(weight(i) > 0)) continue;
-            result[i] = map(positions[i], weight(i));
+            result[i] = map(i, positions[i], weight(i));
             if (!isFinite(result[i]))
                 throw Error(concat("position ", i, " moves to ", textOf(result[i]),
                                    "; expected finite numbers: an argument or the position is too "
@@ -134,6 +140,20 @@ std::vector<Point3> move(std::span<const Point3> positions, const Point3& offset
     requireFinite("move", "offset", offset);
     return Weighted("move", positions, weights).mapped([&](const Point3& p, double w) {
         return sum(p, scaled(offset, w));
+    });
+}
+
+std::vector<Point3> displace(std::span<const Point3> positions,
+                             std::span<const Point3> displacements,
+                             std::span<const double> weights) {
+    const Weighted moved("displace", positions, weights);
+    if (displacements.size() != positions.size())
+        throw Error(concat("displacements has ", displacements.size(),
+                           " vectors; expected one for each of the ", positions.size(),
+                           " positions"));
+    requireFinite("displacements", displacements);
+    return moved.mappedEach([&](std::size_t i, const Point3& p, double w) {
+        return sum(p, scaled(displacements[i], w));
     });
 }
 

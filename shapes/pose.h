@@ -11,8 +11,8 @@
 #include <vector>
 
 /// \file
-/// Operations that pose a lattice: move, rotate, scale, twist, bend, taper and mirror. Each takes
-/// positions and returns the new ones.
+/// Operations that pose a lattice: move, displace, rotate, scale, twist, bend, taper and mirror.
+/// Each takes positions and returns the new ones.
 ///
 /// Each operation gives a position with weight w a part of its effect: all of it at w = 1; at w = 0
 /// the position stays as it is, bit for bit. Angles are in radians.
@@ -52,6 +52,13 @@ struct Options {
 /// Adds w · offset.
 ESPALIER_API std::vector<Point3> move(std::span<const Point3> positions, const Point3& offset,
                                       std::span<const double> weights = {});
+
+/// Adds w · its own displacement to each position.
+/// \param displacements one for each position
+/// \throws Error also if the numbers of positions and displacements differ
+ESPALIER_API std::vector<Point3> displace(std::span<const Point3> positions,
+                                          std::span<const Point3> displacements,
+                                          std::span<const double> weights = {});
 
 /// Rotates by w · angle about an axis through the centre, anticlockwise seen from its tip.
 /// \param axis not zero, of any length

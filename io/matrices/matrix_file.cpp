@@ -50,9 +50,13 @@ const Format kMatrixMarketFormat = formatOfMatrices(
 const Format kNumpyArchiveFormat = formatOfMatrices(
     ".npz", readNpz,
     [](const Path& path, const auto& table, const auto&) { writeNpz(path, table); });
-const Format kNumpyArraysFormat = formatOfMatrices(
-    ".npy", nullptr,
-    [](const Path& path, const auto& table, const auto&) { writeNpyArrays(path, table); });
+const Format kNumpyArraysFormat = [] {
+    Format format = formatOfMatrices(
+        ".npy", nullptr,
+        [](const Path& path, const auto& table, const auto&) { writeNpyArrays(path, table); });
+    format.isDisplacements = true;
+    return format;
+}();
 const Format kPetscBinaryFormat = formatOfMatrices(
     ".petsc", readPetscBinary, [](const Path& path, const auto& table, const auto& options) {
         writePetscBinary(path, table, options.petscIntegers);

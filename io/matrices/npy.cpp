@@ -36,7 +36,7 @@ namespace {
 struct Head {
     std::optional<std::string> type;
     std::optional<bool> isFortranOrder;
-    std::optional<std::optional<std::uint64_t>> length;
+    std::optional<std::vector<std::uint64_t>> shape;
 };
 
 /// Reads a head: a dictionary in Python's notation, with 'descr', 'fortran_order' and 'shape'.
@@ -55,7 +55,7 @@ public:
             else if (key == "fortran_order")
                 set(head.isFortranOrder, readBool());
             else if (key == "shape")
-                set(head.length, length());
+                set(head.shape, shape());
             else
                 fail("its keys");
             if (!accept(',')) {
@@ -64,7 +64,7 @@ public:
             }
         }
         skipSpace();
-        if (!text_.empty() || !head.type || !head.isFortranOrder || !head.length)
+        if (!text_.empty() || !head.type || !head.isFortranOrder || !head.shape)
             fail("'descr', 'fortran_order' and 'shape'");
         return head;
     }
@@ -107,18 +107,26 @@ private:
         return value;
     }
 
-    /// Reads the shape: a tuple with one number, or an empty tuple.
-    std::optional<std::uint64_t> length() {
+    /// Reads the shape: a tuple of numbers, which may be empty.
+    std::vector<std::uint64_t> shape() {
         expect('(');
-        if (accept(')')) return std::nullopt;
-        skipSpace();
-        const std::string_view digits =
-            take(std::min(text_.find_first_not_of("0123456789"), text_.size()));
-        std::uint64_t result = 0;
-        if (!parseNumber(digits, result)) fail("a number of items");
-        accept('L');  // as Python 2 wrote it
-        expect(',');
-        if (!accept(')')) throw CodingError("has several axes; expected one");
+        std::vector<std::uint64_t> result;
+        while (!accept(')')) {
+            skipSpace();
+            const std::string_view digits =
+                take(std::min(text_.find_first_not_of("0123456789"), text_.size()));
+            std::uint64_t length = 0;
+            if (!parseNumber(digits, length)) fail("a number of items");
+            result.push_back(length);
+            constexpr std::size_t kMaxAxes = 64;  // as NumPy 2
+            if (result.size() > kMaxAxes) fail("at most 64 axes");
+            accept('L');  // as Python 2 wrote it
+            if (accept(',')) continue;
+            // A tuple of one number ends with a comma.
+            if (result.size() == 1) fail("','");
+            expect(')');
+            break;
+        }
         return result;
     }
 
@@ -170,6 +178,23 @@ std::optional<NumberType> numberTypeOf(const NpyType& type) {
     return numberOfXmlName(concat(kind, 8 * type.size));
 }
 
+/// Returns all items as numbers, in the order of the file.
+/// \param count number of items
+template <class Number>
+Array<Number> numbersOf(const NpyArray& array, std::uint64_t count) {
+    constexpr bool kIsReal = std::is_floating_point_v<Number>;
+    const std::optional<NumberType> type = numberTypeOf(array.type);
+    if (!type || (!kIsReal && !isInteger(*type)))
+        failForType(array, kIsReal ? "integers, or reals of 4 or 8 bytes" : "integers");
+    return visitStored(*type, [&](auto zero) -> Array<Number> {
+        using Stored = decltype(zero);
+        if constexpr (kIsReal || std::is_integral_v<Stored>)
+            return ByteInput(array.bytes, array.type.order).numbersAs<Stored, Number>(count);
+        else
+            return {};
+    });
+}
+
 }  // namespace
 
 NpyArray readNpy(std::string_view file) {
@@ -183,8 +208,13 @@ NpyArray readNpy(std::string_view file) {
     const std::uint32_t headSize =
         version == 1 ? in.number<std::uint16_t>() : in.number<std::uint32_t>();
     const Head head = HeadParser(in.bytes(headSize)).parse();
-    NpyArray array{parseType(*head.type), *head.length, in.bytes(in.left())};
-    const std::uint64_t count = array.length.value_or(1);
+    NpyArray array{parseType(*head.type), *head.shape, *head.isFortranOrder, in.bytes(in.left())};
+    std::uint64_t count = 1;
+    for (const std::uint64_t length : array.shape) {
+        if (length != 0 && count > std::numeric_limits<std::uint64_t>::max() / length)
+            throw CodingError("claims more than 2^64 items");
+        count *= length;
+    }
     if (array.bytes.size() % array.type.size != 0 || array.bytes.size() / array.type.size != count)
         throw CodingError(concat("claims ", count, " items of ", array.type.size, " bytes, but ",
                                  array.bytes.size(), " bytes are there"));
@@ -193,23 +223,31 @@ NpyArray readNpy(std::string_view file) {
 
 template <class Number>
 Array<Number> npyNumbers(const NpyArray& array) {
-    if (!array.length) throw CodingError("is a single item; expected an array");
-    constexpr bool kIsReal = std::is_floating_point_v<Number>;
-    const std::optional<NumberType> type = numberTypeOf(array.type);
-    if (!type || (!kIsReal && !isInteger(*type)))
-        failForType(array, kIsReal ? "integers, or reals of 4 or 8 bytes" : "integers");
-    return visitStored(*type, [&](auto zero) -> Array<Number> {
-        using Stored = decltype(zero);
-        if constexpr (kIsReal || std::is_integral_v<Stored>)
-            return ByteInput(array.bytes, array.type.order)
-                .numbersAs<Stored, Number>(*array.length);
-        else
-            return {};
-    });
+    if (array.shape.empty()) throw CodingError("is a single item; expected an array");
+    if (array.shape.size() > 1) throw CodingError("has several axes; expected one");
+    return numbersOf<Number>(array, array.shape[0]);
+}
+
+Array<double> npyMatrix(const NpyArray& array) {
+    if (array.shape.size() != 2)
+        throw CodingError(concat("has ", array.shape.size(), " axes; expected two"));
+    const std::size_t rows = array.shape[0], columns = array.shape[1];
+    const auto stored = numbersOf<double>(array, rows * columns);
+    if (!array.isFortranOrder) return stored;
+    Array<double> numbers(stored.size());
+    for (std::size_t i = 0; i < stored.size(); ++i)
+        numbers[i % rows * columns + i / rows] = stored[i];
+    return numbers;
+}
+
+std::string shapeText(std::span<const std::uint64_t> shape) {
+    std::string text = "(";
+    for (std::size_t i = 0; i < shape.size(); ++i) text += concat(i == 0 ? "" : ", ", shape[i]);
+    return text + (shape.size() == 1 ? ",)" : ")");
 }
 
 std::string npyText(const NpyArray& array) {
-    if (array.length || (array.type.kind != 'S' && array.type.kind != 'U'))
+    if (!array.shape.empty() || (array.type.kind != 'S' && array.type.kind != 'U'))
         failForType(array, "a single text");
     const bool isUnicode = array.type.kind == 'U';
     ByteInput in(array.bytes, array.type.order);

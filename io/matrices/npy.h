@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "../files/bytes.h"
 
@@ -55,25 +56,32 @@ struct NpyType {
 /// The array in a .npy file.
 struct NpyArray {
     NpyType type;
-    std::optional<std::uint64_t> length;  ///< length of the one axis; nothing for a single item
-    std::string_view bytes;               ///< the items, in the bytes of the file
+    std::vector<std::uint64_t> shape;  ///< lengths of the axes; none for a single item
+    bool isFortranOrder = false;       ///< whether the first index counts fastest
+    std::string_view bytes;            ///< the items, in the bytes of the file
 };
 
-/// Reads a .npy file of version 1 to 3 with a single item or an array of one axis (for which
-/// fortran_order makes no difference).
+/// Reads a .npy file of version 1 to 3 with a single item or an array.
 ///
 /// \param file bytes of the file; must outlive the array
-/// \throws CodingError if the file is malformed, has more axes, or has not the size that its head
-///         says
+/// \throws CodingError if the file is malformed, or has not the size that its head says
 NpyArray readNpy(std::string_view file);
 
 /// Returns the numbers of an array of one axis.
 ///
 /// \tparam Number Index or Offset, for integers of any size; double, for integers and for reals of
 /// 4 or 8 bytes
-/// \throws CodingError if the array has another type, or a number that a Number cannot hold exactly
+/// \throws CodingError if the array has another type, other axes, or a number that a Number cannot
+///         hold exactly
 template <class Number>
 Array<Number> npyNumbers(const NpyArray& array);
+
+/// Returns the numbers of an array of two axes, row by row.
+/// \throws CodingError if the array has another type or other axes
+Array<double> npyMatrix(const NpyArray& array);
+
+/// Returns a shape as Python writes it: "(27, 3)".
+std::string shapeText(std::span<const std::uint64_t> shape);
 
 /// Returns the text of a single item of bytes or Unicode.
 /// \throws CodingError if the array has another type, or is not ASCII

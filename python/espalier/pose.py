@@ -14,6 +14,7 @@ from ._core._pose import *
 __all__ = [
     "bend",
     "border",
+    "displace",
     "grow",
     "mirror",
     "move",

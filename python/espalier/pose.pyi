@@ -13,6 +13,9 @@ _Array = NDArray[np.float64]
 def move(
     positions: ArrayLike, offset: Sequence[float], *, weights: ArrayLike | None = None
 ) -> _Array: ...
+def displace(
+    positions: ArrayLike, displacements: ArrayLike, *, weights: ArrayLike | None = None
+) -> _Array: ...
 def rotate(
     positions: ArrayLike,
     axis: _Axis,

@@ -9,6 +9,7 @@ what they say, in their order.
 import math
 import pathlib
 import random
+import struct
 import sys
 import unittest
 
@@ -94,6 +95,48 @@ class Pose(CliTest):
                           "--move", 0, 0, -1, "--select-all", "--move", 1, 0, 0)
         for (x, y, z), after in zip(self.rest, moved):
             self.assertEqual(after, (x + 1, y, z - 10 if z == 4 else z - 1 if z == 0 else z))
+
+    def test_displacements(self):
+        count = len(self.rest)
+        lines = random.Random(1).sample(range(count), 7)
+        vectors = {v: (0.25 * i, -0.5, 2.0 ** -i) for i, v in enumerate(lines)}
+        self.put("step.csv", "vertex,dx,dy,dz\n" + "".join(f"{v},{x},{y},{z}\n" for v, (x, y, z) in vectors.items()))
+        all_vectors = [vectors.get(v, (0, 0, 0)) for v in range(count)]
+        expected = [tuple(a + b for a, b in zip(p, d)) for p, d in zip(self.rest, all_vectors)]
+        self.assertEqual(self.pose("--displacements", "step.csv"), expected)
+        self.put_npy("all.npy", (count, 3), [x for vector in all_vectors for x in vector])
+        self.assertEqual(self.pose("--displacements", "all.npy"), expected)
+        self.put_npy("some.npy", (len(lines), 4), [x for v in lines for x in (v, *vectors[v])])
+        self.assertEqual(self.pose("--displacements", "some.npy"), expected)
+        # A step among others, of the selected vertices.
+        top = [p[2] == 4 for p in self.rest]
+        self.assertEqual(self.pose("--select", "end", "+z", "--displacements", "all.npy", "--select-all", "--move", 1, 0, 0),
+                         [(q[0] + 1, *q[1:]) if t else (p[0] + 1, *p[1:]) for p, q, t in zip(self.rest, expected, top)])
+        result = self.run_program("pose", "rest.ovm", "--displacements", "step.csv", "-o", "pose.ovm")
+        self.assertEqual(result.stdout, "pose.ovm: 7 of 45 vertices moved\n")
+
+    def test_wrong_displacements(self):
+        def error(name):
+            return self.error_of("pose", "rest.ovm", "--displacements", name, "-o", "x.ovm", code=1)
+        self.put("far.csv", "45,0,0,1\n")
+        self.assertEqual(error("far.csv"), "espalier: far.csv:1: there is no vertex 45; the lattice has 45 vertices, "
+                                           "numbered from 0\n")
+        self.put("twice.csv", "3,0,0,1\n4,0,0,1\n3,0,0,1\n")
+        self.assertEqual(error("twice.csv"), "espalier: twice.csv:3: vertex 3 has a displacement already, in line 1\n")
+        self.put_npy("few.npy", (2, 3), range(6))
+        self.assertIn("few.npy: has 2 vectors; expected one for each of the 45 vertices", error("few.npy"))
+        self.assertIn("none.csv: cannot open", error("none.csv"))
+        self.put("step.txt", "0 0 0 1\n")
+        self.assertIn("step.txt: is not a table of displacements; expected .npy or .csv", error("step.txt"))
+        self.put("same.ovm", "")
+        self.assertIn("is also an input (--displacements)", self.error_of(
+            "pose", "rest.ovm", "--displacements", "same.ovm", "-o", "same.ovm", code=1))
+
+    def put_npy(self, name, shape, numbers):
+        head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+        numbers = list(numbers)
+        (pathlib.Path(self.path) / name).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head
+                                                     + struct.pack(f"<{len(numbers)}d", *numbers))
 
     def test_limbs(self):
         # The shell of a box with one more row of cubes: a body of 3 x 3 x 3 cubes, and an arm of one

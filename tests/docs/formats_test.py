@@ -56,6 +56,7 @@ class Formats(unittest.TestCase):
                         continue
                     for part in cells[column].split("; "):
                         other = {"a bound model": "BoundModel", "targets of its points": "Targets",
+                                 "displacements": "Displacements",
                                  "all poses in one file": "Animation"}.get(part.split(":")[0])
                         for use in re.findall(r"\b(read|write)\b", part):
                             got[f"{other or name} {use}"].add(extension)

@@ -18,7 +18,8 @@ int main() {
          {FileContent::Matrix, "Matrix"},
          {FileContent::Animation, "Animation"},
          {FileContent::BoundModel, "BoundModel"},
-         {FileContent::Targets, "Targets"}};
+         {FileContent::Targets, "Targets"},
+         {FileContent::Displacements, "Displacements"}};
     for (const auto& [content, name] : kContents)
         for (const auto& [use, word] :
              {std::pair{FileUse::Read, "read"},

@@ -2,6 +2,7 @@
 #include <espalier/base/executor.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/io/displacements.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/matrix_market.h>
 #include <espalier/io/pose_file.h>
@@ -141,6 +142,7 @@ TEST_F(IoMemory, OtherFiles) {
     test::putLatticeFile(folder / "t.txt",
                          "# point, and where it should go\n1 0.5 0.5 1\n0 1 2 3\n");
     failEachAllocation([&] { return io::readTargets(folder / "t.txt", 2).size(); });
+    failEachAllocation([&] { return io::readDisplacements("d.csv", 2, "1,0,0,1\n").size(); });
 }
 
 TEST_F(IoMemory, ReadBindAndWrite) {

@@ -332,6 +332,10 @@ CELL_TYPES 1
 _""" + struct.pack("<I6f", 24, float("nan"), 0, 0, 0.6, 0, 0.8))
     put("ovm", "no-ascii", (CORPUS / "ovm/seed-marks").read_text().replace("OVM ASCII", "OVM"))
     put("targets", "two", "# point x y z\n3 0 0 1\n99 1e-3 -2.5 7  # far\n")
+    put("displacements", "csv", "vertex,dx,dy,dz\n3,0,0,1\n99,1e-3,-2.5,7\n")
+    head = b"{'descr': '<f4', 'fortran_order': True, 'shape': (2, 4), }\n"
+    put("displacements", "npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head
+        + struct.pack("<8f", 3, 99, 0, 1e-3, 0, -2.5, 1, 7))
 
 
 def bound_model(espalier, folder):

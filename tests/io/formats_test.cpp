@@ -16,8 +16,9 @@ namespace espalier::io {
 namespace {
 
 constexpr FileContent kContents[] = {
-    FileContent::Lattice, FileContent::Mesh,      FileContent::Model,      FileContent::EditorMesh,
-    FileContent::Matrix,  FileContent::Animation, FileContent::BoundModel, FileContent::Targets};
+    FileContent::Lattice,    FileContent::Mesh,    FileContent::Model,
+    FileContent::EditorMesh, FileContent::Matrix,  FileContent::Animation,
+    FileContent::BoundModel, FileContent::Targets, FileContent::Displacements};
 
 constexpr FileUse kUses[] = {FileUse::Read, FileUse::Write};
 

@@ -164,7 +164,22 @@ TEST(NpyReader, RefusesMalformedHeads) {
     refusedHead("{'shape': (1)}", "expected ','");
     refusedHead("{'shape': (-1,)}", "a number of items");
     refusedHead("{'shape': (99999999999999999999,)}", "a number of items");
-    refusedHead("{'shape': (1, 1)}", "has several axes");
+    refusedHead("{'shape': (1, 1)}", "expected 'descr', 'fortran_order' and 'shape'");
+    refusedHead("{'shape': (1, 1 1)}", "expected ')'");
+}
+
+TEST(NpyReader, ReadsMatricesRowByRow) {
+    const auto stored = bytesOfAll<std::int32_t>({1, 2, 3, 4, 5, 6}, kLittle);
+    const auto rows = readNpy(npyArray("<i4", "(2, 3)", stored));
+    EXPECT_THAT(npyMatrix(rows), ElementsAre(1, 2, 3, 4, 5, 6));
+    EXPECT_EQ(shapeText(rows.shape), "(2, 3)");
+    expectCodingError([&] { npyNumbers<Index>(rows); }, "has several axes; expected one");
+    const auto columns =
+        readNpy(npyFile("{'descr': '<i4', 'fortran_order': True, 'shape': (2L, 3L,), }", stored));
+    EXPECT_THAT(npyMatrix(columns), ElementsAre(1, 3, 5, 2, 4, 6));
+    expectCodingError([&] { npyMatrix(readNpy(npyArray("<i4", "(6,)", stored))); },
+                      "has 1 axes; expected two");
+    EXPECT_EQ(shapeText(readNpy(npyArray("<i4", "(6,)", stored)).shape), "(6,)");
 }
 
 TEST(NpyReader, ChecksClaimedSizes) {
@@ -177,6 +192,8 @@ TEST(NpyReader, ChecksClaimedSizes) {
     // 2^62 items of 4 bytes are 2^64 bytes, which is 0 in 64 bits.
     expectCodingError(claims("<i4", "(4611686018427387904,)", 0),
                       "claims 4611686018427387904 items");
+    expectCodingError(claims("<i4", "(4294967296, 4294967296)", 0), "claims more than 2^64 items");
+    expectCodingError(claims("<i4", "(2, 3)", 20), "claims 6 items of 4 bytes");
     expectCodingError(claims("|S18446744073709551615", "()", 3), "of 18446744073709551615 bytes");
     expectCodingError([] { readNpy("\x93NUMPX"); }, "is not an array of NumPy");
     for (const char version : {'\0', '\4', '\xff'})

@@ -65,6 +65,22 @@ TEST(Pose, AffineOperationsAreTheirMaps) {
         each(points, translation(center) * scaling({2, 2, 2}) * translation({-0.3, 0.2, -0.9})));
 }
 
+TEST(Pose, DisplacementsAreAdded) {
+    const std::vector<Point3> points = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}},
+                              by = {{1, 0, 0}, {0, 2, -1}, {0, 0, 4}};
+    const std::vector<double> weights = {0, 1, 0.5};
+    EXPECT_EQ(displace(points, by), (std::vector<Point3>{{2, 2, 3}, {4, 7, 5}, {7, 8, 13}}));
+    EXPECT_EQ(displace(points, by, weights),
+              (std::vector<Point3>{{1, 2, 3}, {4, 7, 5}, {7, 8, 11}}));
+    EXPECT_MESSAGE("displacements has 2 vectors; expected one for each of the 3 positions",
+                   displace(points, std::span(by).first(2)));
+    EXPECT_REFUSED(Error, "displacements[1]",
+                   displace(points, std::vector<Point3>{kX, {0, NAN, 0}, kX}));
+    EXPECT_REFUSED(
+        Error, "position 0 moves to",
+        displace(std::vector<Point3>{{1e308, 0, 0}}, std::vector<Point3>{{1e308, 0, 0}}));
+}
+
 TEST(Pose, AffineOperationsHaveInverses) {
     const auto points = cloud();
     const Options about{.center = Point3{0.1, 0.2, 0.3}};
