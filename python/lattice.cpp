@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/box_grid.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/formats.h>
@@ -149,6 +150,18 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
         .reshape(std::vector<py::ssize_t>{count, 8});
 }
 
+/// Returns the vertices of a box by their places in it.
+py::array_t<Index> gridOf(const Lattice& lattice) {
+    const far::BoxGrid grid = withoutGil([&] { return far::asBoxGrid(lattice.complex); });
+    std::vector<Index> vertices;
+    vertices.reserve(grid.vertices.size());
+    for (Index i = 0; i <= grid.cells[0]; ++i)
+        for (Index j = 0; j <= grid.cells[1]; ++j)
+            for (Index k = 0; k <= grid.cells[2]; ++k) vertices.push_back(grid.vertexAt({i, j, k}));
+    return toArray(std::move(vertices))
+        .reshape(std::vector<py::ssize_t>{grid.cells[0] + 1, grid.cells[1] + 1, grid.cells[2] + 1});
+}
+
 py::array_t<Index> edgesOf(const Lattice& lattice) {
     std::vector<Index> ends;
     for (Index edge = 0; edge < lattice.complex.count(1); ++edge)
@@ -277,6 +290,11 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                                "The vertices of the cells in VTK's order, if all cells are "
                                "hexahedra: array (C, 8) of int32. Otherwise a ValueError names a "
                                "cell that is not.")
+        .def_property_readonly("grid", &gridOf,
+                               "The vertices of a box by their places: array (I, J, K) of int32. "
+                               "Vertex (0, 0, 0) is the lowest one in a single cell; its "
+                               "neighbours, ascending, give the axes. A ValueError names the place "
+                               "where another lattice is not a box of hexahedra.")
         .def_property_readonly("boundary_faces", &boundaryFaces,
                                "The faces of a lattice that are in one cell only, ascending: array "
                                "(B,) of int32.")

@@ -33,6 +33,8 @@ void fill(py::module_& module) {
     addFit(module);
     addPull(module);
     addDesignVariables(module);
+    addReferenceAxis(module);
+    addConstraints(module);
     addValidity(module);
     addMeshCheck(module);
     addHolding(module);

@@ -25,6 +25,8 @@ void addBinding(py::module_& module);
 void addFit(py::module_& module);
 void addPull(py::module_& module);
 void addDesignVariables(py::module_& module);
+void addReferenceAxis(py::module_& module);
+void addConstraints(py::module_& module);
 void addValidity(py::module_& module);
 void addMeshCheck(py::module_& module);
 void addHolding(py::module_& module);

@@ -18,9 +18,11 @@
 // its cells.
 //
 // Types: FitOptions and fitLattice() (this header), RigidPull, DesignVariables, SectionVariables,
-// ValidityCheck. bernstein.h has the proofs for ValidityCheck.
+// ReferenceAxis, Measures (constraints.h), ValidityCheck. bernstein.h has the proofs for
+// ValidityCheck.
 //
-// Read this header, rigid_pull.h, design_variables.h, section_variables.h, validity.h.
+// Read this header, rigid_pull.h, design_variables.h, section_variables.h, reference_axis.h,
+// constraints.h, validity.h.
 namespace espalier::solve {
 
 /// The regularisation of a fit: a second goal for the displacements, besides the targets.

@@ -28,7 +28,7 @@ Lattice, StencilTable and Binding can be pickled. They never change, so a copy i
 
 import enum
 
-from . import pose, shapes
+from . import constraints, pose, shapes
 from ._core import *
 from ._core import __version__
 
@@ -46,6 +46,7 @@ __all__ = [
     "Model",
     "PointStatus",
     "PoseValidity",
+    "ReferenceAxis",
     "Refiner",
     "RigidPose",
     "RigidPull",
@@ -59,6 +60,7 @@ __all__ = [
     "carry_tangents",
     "check",
     "compare",
+    "constraints",
     "fit",
     "hold",
     "jacobian",

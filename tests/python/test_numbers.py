@@ -27,6 +27,9 @@ MESH = {"positions": POSITIONS[:4], "faces": [[0, 1, 3]], "edge_sharpness": {(0,
         "vertex_sharpness": {0: 1.0}, "attributes": {"a": np.ones(4)},
         "texture_coordinates": np.zeros((3, 2)), "texture_corners": [[0, 1, 2]]}
 SECTIONS = espalier.SectionVariables(POSITIONS, [0.0, 1.0])
+AXIS = espalier.ReferenceAxis(POSITIONS, [[0.5, 0.5, 0.0], [0.5, 0.5, 1.0]])
+CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+CORNER_FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
 # A body of 3 x 3 x 3 cubes, and a row of cubes on it.
 LIMB = espalier.shapes.merge([espalier.shapes.box((3, 3, 3), (0, 0, 0), (3, 3, 3)),
                               espalier.shapes.box((1, 1, 3), (1, 1, 3), (2, 2, 6))])
@@ -56,6 +59,21 @@ GOOD = {
                          "center": (0.5, 0.5, 0)},
     "SectionVariables.positions": {"values": SECTIONS.at_rest},
     "SectionVariables.matrix": {"values": SECTIONS.at_rest},
+    "ReferenceAxis": {"positions": POSITIONS, "nodes": AXIS.at_rest[:, :3], "direction": (0.0, 0.0, 1.0),
+                      "frame": np.eye(3)},
+    "ReferenceAxis.moved_to": {"positions": POSITIONS, "nodes": AXIS.at_rest[:, :3]},
+    "ReferenceAxis.positions": {"values": AXIS.at_rest},
+    "ReferenceAxis.matrix": {"values": AXIS.at_rest},
+    "ReferenceAxis.rest_matrix": {"values": AXIS.at_rest},
+    "constraints.distances": {"points": POINTS, "pairs": [[0, 1]]},
+    "constraints.crossings": {"points": CORNER, "triangles": CORNER_FACES, "line_points": np.array([[0.1, 0.1, 0.1]]),
+                              "line_directions": np.array([[0.0, 0.0, 1.0]])},
+    "constraints.thicknesses": {"points": CORNER, "crossings": espalier.constraints.crossings(
+        CORNER, CORNER_FACES, [[0.1, 0.1, 0.1]], [[0, 0, 1]])},
+    "constraints.volume": {"points": CORNER, "triangles": CORNER_FACES},
+    "constraints.area": {"points": CORNER, "triangles": CORNER_FACES},
+    "constraints.curvatures": {"points": CORNER, "line": [0, 1, 2]},
+    "constraints.planarity": {"points": CORNER, "some": [0, 1, 2]},
     "ValidityCheck.check": {"pose": POSITIONS},
     "ValidityCheck.largest_step": {"pose": POSITIONS, "most": 1.0},
     "bind": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6, "weights": np.ones(2), "falloff": 0.5},
@@ -66,6 +84,7 @@ GOOD = {
     "hold": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6},
     "nest": {"child": BOUND, "child_pose": POSITIONS / 2 + 0.25, "parent": BOX, "tolerance": 1e-6},
     "pose.move": {"positions": POSITIONS, "weights": np.ones(27), "offset": (1, 2, 3)},
+    "pose.displace": {"positions": POSITIONS, "weights": np.ones(27), "displacements": POSITIONS},
     "pose.rotate": {**PLACE, "axis": (0, 0, 1), "angle": 1.0},
     "pose.scale": {**PLACE, "factors": (1, 2, 3)},
     "pose.twist": {**ALONG, "angle": 1.0},
@@ -100,9 +119,11 @@ GOOD = {
 OBJECTS = {"Lattice": BOX, "Refiner": espalier.Refiner(BOX), "CompiledTable": TABLE,
            "CompiledAdjoint": espalier.CompiledAdjoint(BOUND.table), "ChangeEvaluator": espalier.ChangeEvaluator(TABLE),
            "Binding": BOUND, "DesignVariables": espalier.DesignVariables(27), "SectionVariables": SECTIONS,
+           "ReferenceAxis": AXIS,
            "ValidityCheck": espalier.ValidityCheck(BOX, 1), "RigidPull": espalier.RigidPull(BOX, BOUND)}
 # Arrays of integers.
-INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "pins", "numbers"}
+INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "pins", "numbers",
+            "pairs", "triangles", "line", "some"}
 # A mesh of tetrahedra is checked in the same way: MeshCheck reads it from a file.
 MESH_CHECK = {"MeshCheck.check": {"points"}, "MeshCheck.largest_step": {"points", "most"},
               "MeshCheck.quality": {"points"}, "MeshCheck.shorten": {"points"},
@@ -113,7 +134,8 @@ def real_arguments():
     """Returns the names of the arguments of each function that the stubs say take real numbers."""
     found = {}
     folder = pathlib.Path(espalier.__file__).parent
-    for stub, prefix in (("__init__.pyi", ""), ("pose.pyi", "pose."), ("shapes.pyi", "shapes.")):
+    for stub, prefix in (("__init__.pyi", ""), ("pose.pyi", "pose."), ("shapes.pyi", "shapes."),
+                         ("constraints.pyi", "constraints.")):
         def visit(body, outer):
             for node in body:
                 if isinstance(node, ast.ClassDef):

@@ -27,6 +27,7 @@ assert espalier.__file__.startswith({root!r}), espalier.__file__
 rest = espalier.shapes.box(cells=(2, 2, 2))
 points = np.full((1, 3), 0.4)
 assert np.allclose(espalier.bind(rest, points).deform(rest.positions), points)
+assert np.allclose(espalier.constraints.distances(rest.positions, [[0, 26]])[0], 3 ** 0.5)
 print(espalier.__version__)
 """
 
@@ -35,7 +36,7 @@ needs_build = pytest.mark.skipif(BINARY_DIR is None, reason="ctest says where th
 
 def public_objects():
     """Returns the names and objects that users see."""
-    for module in (espalier, espalier.pose, espalier.shapes):
+    for module in (espalier, espalier.constraints, espalier.pose, espalier.shapes):
         for name in module.__all__:
             each = getattr(module, name)
             if inspect.ismodule(each) or isinstance(each, str):
@@ -49,7 +50,8 @@ def public_objects():
 
 def stub_functions():
     """Yields the qualified name and the syntax tree of each function in the stubs."""
-    for file, prefix in (("__init__.pyi", "espalier"), ("pose.pyi", "espalier.pose"),
+    for file, prefix in (("__init__.pyi", "espalier"), ("constraints.pyi", "espalier.constraints"),
+                         ("pose.pyi", "espalier.pose"),
                          ("shapes.pyi", "espalier.shapes")):
         for node in ast.parse((PACKAGE / file).read_text()).body:
             if isinstance(node, ast.FunctionDef):
@@ -141,7 +143,7 @@ def test_installed_where_debians_python_looks(installed):
         assert f"{prefix}/{SITE}" in site.getsitepackages()
     assert check_import(installed) == espalier.__version__
     names = {path.name for path in (installed / "espalier").iterdir()}
-    assert names >= {"__init__.py", "__init__.pyi", "pose.py", "pose.pyi", "shapes.py",
+    assert names >= {"__init__.py", "__init__.pyi", "constraints.py", "constraints.pyi", "pose.py", "pose.pyi", "shapes.py",
                      "shapes.pyi", "py.typed"}
     assert not any(path.is_symlink() for path in (installed / "espalier").iterdir())
 
