@@ -1,0 +1,486 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Design variables of a lattice, by the calls of pyGeo's DVGeometry.
+
+    geo = espalier.dvgeometry.DVGeometry("ffd.xyz")
+    geo.addPointSet(points, "wing")
+    geo.addRefAxis("axis", curve=quarter_chord, axis=np.array([0, 0, 1.0]))
+    geo.addGlobalDV("twist", np.zeros(4), twist)     # twist(values, geo) sets geo.rot_theta["axis"].coef
+    geo.addLocalDV("shape", axis="y")
+    geo.setDesignVars({"twist": values})
+    moved = geo.update("wing")                       # array (N, 3)
+    gradient = geo.totalSensitivity(by_points, "wing")   # dict of arrays
+
+Names and arguments are pyGeo's; docs/from-pygeo-pygem-su2.md says what differs. The lattice may have
+any topology. Angles of reference axes are in degrees, as in pyGeo.
+"""
+
+import pathlib
+from collections import OrderedDict
+
+import numpy as np
+import scipy.sparse
+
+from ._core import DesignVariables, Lattice, Refiner, bind, jacobian, read
+from ._reference_axes import ReferenceAxes
+
+__all__ = ["DVGeometry"]
+
+_STEP = 1e-40  # of the complex step, by which functions of global variables are differentiated
+
+
+class _Group:
+    """A group of design variables."""
+
+    def __init__(self, name, value, lower, upper, scale, config):
+        self.name, self.value = name, np.atleast_1d(np.array(value, dtype=float)).ravel()
+        self.nVal = len(self.value)
+        self.lower, self.upper, self.scale = (self._each(each) for each in (lower, upper, scale))
+        self.config = [config] if isinstance(config, str) else config
+
+    def _each(self, bound):
+        if bound is None:
+            return None
+        values = np.atleast_1d(np.asarray(bound, dtype=float))
+        if len(values) not in (1, self.nVal):
+            raise ValueError(f"{self.name}: expected one bound or {self.nVal}, got {len(values)}")
+        return np.broadcast_to(values, self.nVal).copy()
+
+    def applies(self, config):
+        return self.config is None or config is None or config in self.config
+
+
+class _Global(_Group):
+    def __init__(self, *arguments, function):
+        super().__init__(*arguments)
+        self.function = function
+
+
+class _Local(_Group):
+    def __init__(self, *arguments, matrix):
+        super().__init__(*arguments)
+        self.matrix = matrix  # displacements by variables, of shape (3 V, variables)
+
+
+class DVGeometry(ReferenceAxes):
+    """Design variables of a lattice, and the points that follow it, by the calls of pyGeo.
+
+    lattice    : path of a file, Lattice, or Refiner; a PLOT3D file of boxes is welded to one lattice
+    child      : True for a lattice that addChild() puts into another one
+    faceFreeze : dict {"0": ["iLow", ...]} of a lattice that is a box: two layers of vertices that no
+                 local variable and no reference axis moves
+    name       : is put before the names of the variables: "name_variable"
+    frozen     : array (K,) of int: vertices that no local variable and no reference axis moves
+    options    : of bind() for all points: level, limit, basis, outside, tolerance
+    """
+
+    def __init__(self, lattice, *, child=False, faceFreeze=None, name=None, frozen=(), **options):
+        if isinstance(lattice, Refiner):
+            self._refiner, self.lattice = lattice, lattice.lattice
+        else:
+            self.lattice = lattice if isinstance(lattice, Lattice) else read(lattice)
+            self._refiner = Refiner(self.lattice)
+        if options.pop("isComplex", False):
+            raise ValueError("isComplex: the derivatives of totalSensitivity() are exact; there are no complex points")
+        self._options = options
+        self.name, self.isChild = name, child
+        self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
+        self.children, self.DV_listLocal = OrderedDict(), OrderedDict()
+        self._bindings, self._carried, self._transfer = {}, {}, {}
+        super().__init__()
+        self._frozen = np.zeros(len(self.lattice.positions), bool)
+        self._frozen[np.asarray(frozen, int)] = True
+        for volume, faces in (faceFreeze or {}).items():
+            layers = self.getLocalIndex(int(volume))
+            for face in faces:
+                along = np.moveaxis(layers, "ijk".index(face[0]), 0)
+                self._frozen[along[:2] if face[1:] == "Low" else along[-2:]] = True
+
+    # Points.
+
+    def addPointSet(self, points, ptName, origConfig=True, coordXfer=None, activeChildren=None, deformation=None,
+                    **options):
+        """Adds points that follow the lattice.
+
+        points : array (N, 3)
+        ptName : name of the points for update() and the sensitivities
+        origConfig : must be True: points are of the lattice at rest
+        coordXfer : function (array (N, 3), mode="fwd" or "bwd", applyDisplacement=True) between the frame of
+            the lattice and the frame of the points
+        activeChildren : list of names: the children whose variables move the points; all by default
+        deformation : D, a sparse matrix (N, V), in place of binding the points
+        options : of bind(), for these points only
+        """
+        if not origConfig:
+            raise ValueError("origConfig: expected True, points of the lattice at rest")
+        points = np.array(points, dtype=float)
+        if coordXfer is not None:
+            self._transfer[ptName] = coordXfer
+            points = np.asarray(coordXfer(points, mode="bwd", applyDisplacement=True))
+        if deformation is None:
+            deformation = self._bound(points, options)
+        if ptName not in self.ptSetNames:
+            self.ptSetNames.append(ptName)
+        self.points[ptName], self._bindings[ptName] = points, deformation
+        self.updated[ptName], self.JT[ptName] = False, None
+        for name, child in self.children.items():
+            if activeChildren is None or name in activeChildren:
+                child.addPointSet(points, ptName)
+
+    def _bound(self, points, options):
+        """Returns D for some points."""
+        return bind(self._refiner, points, **{**self._options, **options}).matrix
+
+    def pointSetUpToDate(self, ptSetName):
+        """Tells whether update() was called for these points since the variables were set."""
+        return self.updated.get(ptSetName, True)
+
+    def addChild(self, childDVGeo):
+        """Puts a lattice into this one. Its vertices and its reference axes follow this lattice; the changes by
+        its own variables are added to the points inside it.
+
+        childDVGeo : DVGeometry with child=True
+        """
+        if not childDVGeo.isChild:
+            raise ValueError("childDVGeo: expected a DVGeometry that was made with child=True")
+        name = childDVGeo.name if childDVGeo.name is not None else f"child{len(self.children)}"
+        if name in self.children:
+            raise ValueError(f"childDVGeo: there is a child {name} already; give it another name")
+        places = np.vstack([childDVGeo.lattice.positions, childDVGeo._rest_nodes()])
+        self._carried[name] = (places, self._bound(places, {"outside": "nearest"}))
+        self.children[name] = childDVGeo
+
+    # Variables.
+
+    def _named(self, name, prepend):
+        full = f"{self.name}_{name}" if self.name is not None and prepend else name
+        if full in self.DV_listGlobal or full in self.DV_listLocal:
+            raise ValueError(f"dvName: there are variables {full} already")
+        return full
+
+    def _changed(self):
+        for name in self.ptSetNames:
+            self.updated[name], self.JT[name] = False, None
+
+    def addGlobalDV(self, dvName, value, func, lower=None, upper=None, scale=1.0, config=None, prependName=True):
+        """Adds variables that a function applies to the reference axes.
+
+        value : float, or array (n,): the values at rest
+        func : function (array (n,), DVGeometry), which changes extractCoef() by restoreCoef(), and .coef of
+            rot_x, rot_y, rot_z, rot_theta, scale, scale_x, scale_y and scale_z of the axes. It is called with
+            complex numbers for derivatives
+        lower, upper, scale : float, or array (n,), for optimisers
+        config : str or list of str: the configurations for which the variables count; all by default
+        """
+        name = self._named(dvName, prependName)
+        self.DV_listGlobal[name] = _Global(name, value, lower, upper, scale, config, function=func)
+        self._changed()
+
+    def _add_local(self, name, matrix, lower, upper, scale, config):
+        count = matrix.shape[1]
+        self.DV_listLocal[name] = _Local(name, np.zeros(count), lower, upper, scale, config, matrix=matrix)
+        self._changed()
+        return count
+
+    def addLocalDV(self, dvName, lower=None, upper=None, scale=1.0, axis="y", volList=None, pointSelect=None,
+                   config=None, prependName=True, vertices=None, design=None):
+        """Adds a variable for each vertex and each direction of `axis`. Returns their number.
+
+        axis : "x", "y", "z", or several: "xy"
+        pointSelect : object with getPoints(positions), which returns points and their numbers, as pyGeo's
+        vertices : array (K,) of int; all by default
+        design : DesignVariables: links, mirror images and units, in place of axis and vertices
+        """
+        if volList is not None:
+            raise ValueError("volList: the blocks are one lattice; give `vertices`")
+        name = self._named(dvName, prependName)
+        count = len(self.lattice.positions)
+        if design is None:
+            design = DesignVariables(count)
+            if pointSelect is not None:
+                vertices = pointSelect.getPoints(self.lattice.positions)[1]
+            chosen = np.zeros(count, bool)
+            chosen[slice(None) if vertices is None else np.asarray(vertices, int)] = True
+            design.freeze(np.flatnonzero(~chosen | self._frozen))
+            for c in {0, 1, 2} - {"xyz".index(letter) for letter in axis.lower()}:
+                design.freeze(np.arange(count), c)
+        return self._add_local(name, design.matrix().csr(), lower, upper, scale, config)
+
+    def addShapeFunctionDV(self, dvName, shapes, lower=None, upper=None, scale=1.0, config=None, prependName=True):
+        """Adds a variable for each shape, which moves several vertices. Returns the number of variables.
+
+        shapes : dict from vertices to displacements, 3 float each, for a value of 1; or a list of such dicts
+        """
+        name = self._named(dvName, prependName)
+        shapes = [shapes] if isinstance(shapes, dict) else list(shapes)
+        matrix = scipy.sparse.lil_matrix((3 * len(self.lattice.positions), len(shapes)))
+        for column, shape in enumerate(shapes):
+            for vertex, vector in shape.items():
+                if not 0 <= vertex < len(self.lattice.positions):
+                    raise ValueError(f"shapes[{column}]: there is no vertex {vertex}")
+                matrix[3 * int(vertex):3 * int(vertex) + 3, column] = np.reshape(vector, (3, 1))
+        return self._add_local(name, matrix.tocsr(), lower, upper, scale, config)
+
+    def addSpanwiseLocalDV(self, dvName, spanIndex, axis="y", lower=None, upper=None, scale=1.0, pointSelect=None,
+                           volList=None, config=None):
+        """Adds a variable for each line of vertices along a direction of a lattice that is a box; the vertices of a
+        line move alike. Returns the number of variables.
+
+        spanIndex : "i", "j" or "k": the direction of the lines
+        axis : "x", "y" or "z": the direction in which they move
+        """
+        if volList is not None or pointSelect is not None:
+            raise ValueError("pointSelect: lines go through the whole box; give addShapeFunctionDV() the shapes")
+        lines = np.moveaxis(self.getLocalIndex(0), "ijk".index(spanIndex.lower()), -1)
+        vector = np.eye(3)["xyz".index(axis.lower())]
+        shapes = [{vertex: vector for vertex in line if not self._frozen[vertex]}
+                  for line in lines.reshape(-1, lines.shape[-1])]
+        return self.addShapeFunctionDV(dvName, [shape for shape in shapes if shape], lower, upper, scale, config)
+
+    def getLocalIndex(self, iVol=0):
+        """Returns the vertices of a lattice that is a box by their places in it: array (I, J, K) of int."""
+        if iVol != 0:
+            raise ValueError("iVol: the blocks are one lattice; choose vertices by their positions")
+        return self.lattice.grid
+
+    def _groups(self):
+        """All groups of variables, of this lattice and then of its children."""
+        groups = OrderedDict((*self.DV_listGlobal.items(), *self.DV_listLocal.items()))
+        for child in self.children.values():
+            groups.update(child._groups())
+        return groups
+
+    def getVarNames(self, pyOptSparse=False):
+        """Returns the names of all groups of variables, of the children, too."""
+        return list(self._groups())
+
+    def getNDV(self):
+        """Returns the number of all variables, of the children, too."""
+        return sum(group.nVal for group in self._groups().values())
+
+    def getValues(self):
+        """Returns the values of all variables: dict from names to arrays, for setDesignVars()."""
+        return {name: group.value.copy() for name, group in self._groups().items()}
+
+    def setDesignVars(self, dvDict):
+        """Sets variables. Names that are not variables of this lattice or its children are ignored.
+
+        dvDict : dict from names to float or arrays
+        """
+        for name, group in self._groups().items():
+            if name not in dvDict:
+                continue
+            values = np.atleast_1d(np.asarray(dvDict[name], dtype=float)).ravel()
+            if len(values) != group.nVal:
+                raise ValueError(f"{name}: expected {group.nVal} values, got {len(values)}")
+            if not np.isfinite(values).all():
+                raise ValueError(f"{name}: expected finite numbers")
+            group.value = values
+        self._changed()
+        for child in self.children.values():
+            child._changed()
+
+    def addVariablesPyOpt(self, optProb, globalVars=True, localVars=True, ignoreVars=(), freezeVars=(), **_):
+        """Adds the variables to a problem of pyOptSparse, with bounds and scales.
+
+        ignoreVars, freezeVars : list of names: groups to leave out, and groups to keep at their values
+        """
+        for name, group in self._groups().items():
+            if name in ignoreVars or not (globalVars if isinstance(group, _Global) else localVars):
+                continue
+            frozen = name in freezeVars
+            optProb.addVarGroup(name, group.nVal, "c", value=group.value, scale=group.scale,
+                                lower=group.value if frozen else group.lower,
+                                upper=group.value if frozen else group.upper)
+
+    # Positions and derivatives.
+
+    def positions(self, config=None):
+        """Returns the vertices of the lattice for the variables as they are set: array (V, 3)."""
+        return self._pose(self.lattice.positions, self._rest_nodes(), config)
+
+    def _pose(self, rest, nodes, config):
+        pose = np.array(rest)
+        if self.axis:
+            state = self._state(nodes, {name: group.value for name, group in self.DV_listGlobal.items()}, config)
+            for name, part in self._ranges().items():
+                chosen, axis = self._axes[name]
+                pose[chosen] = axis.moved_to(rest[chosen], nodes[part]).positions(state[part])
+        for group in self.DV_listLocal.values():
+            if group.applies(config):
+                pose += (group.matrix @ group.value).reshape(-1, 3)
+        return pose
+
+    def update(self, ptSetName, childDelta=True, config=None):
+        """Returns the points for the variables as they are set: array (N, 3).
+
+        ptSetName : name of the points; config : str, see addGlobalDV()
+        """
+        rest = self.lattice.positions
+        moved = self.points[ptSetName] + self._displacements(ptSetName, rest, rest, self._rest_nodes(), config)
+        self.updated[ptSetName] = True
+        transfer = self._transfer.get(ptSetName)
+        return moved if transfer is None else transfer(moved, mode="fwd", applyDisplacement=True)
+
+    def _displacements(self, name, start, rest, nodes, config):
+        """The displacements of points from where `start` has them, with this lattice and its axes at rest at `rest`
+        and `nodes`, and of the children."""
+        pose = self._pose(rest, nodes, config)
+        change = self._bindings[name] @ (pose - start)
+        for key, child in self.children.items():
+            if name in child.points:
+                places, deformation = self._carried[key]
+                carried = places + deformation @ (pose - self.lattice.positions)
+                count = len(child.lattice.positions)
+                change = change + child._displacements(name, carried[:count], carried[:count], carried[count:], config)
+        return change
+
+    def _jacobian(self, rest, nodes, by_rest, by_nodes, config, columns):
+        """The derivatives of the vertices by all variables: sparse matrix (3 V, variables).
+
+        by_rest, by_nodes : the derivatives of rest and nodes, by the variables of the parents
+        columns : dict from names to slices of columns
+        """
+        total = by_rest.shape[1]
+        result = by_rest.tolil() if self.axis else by_rest
+        if self.axis:
+            result = self._axes_jacobian(rest, nodes, by_rest, by_nodes, config, columns, total)
+        for name, group in self.DV_listLocal.items():
+            if group.applies(config):
+                result = result + _placed(group.matrix, columns[name], total)
+        return result.tocsr()
+
+    def _axes_jacobian(self, rest, nodes, by_rest, by_nodes, config, columns, total):
+        values = {name: group.value.astype(complex) for name, group in self.DV_listGlobal.items()}
+        by_state = scipy.sparse.lil_matrix((11 * len(nodes), total))
+        dense_nodes = by_nodes.tocsc()
+        inputs = [(name, k) for name in values for k in range(len(values[name]))]
+        for name, k in inputs:
+            start = values[name]
+            values[name] = start.copy()
+            values[name][k] += 1j * _STEP
+            state = self._state(nodes.astype(complex), values, config)
+            values[name] = start
+            if not state.imag.any():
+                self._require_no_effect(name, k, state.real, nodes, config)
+            by_state[:, columns[name].start + k] = state.imag.reshape(-1, 1) / _STEP
+        # The functions start from nodes that the parents carry.
+        for column in np.unique(dense_nodes.nonzero()[1]):
+            seed = dense_nodes[:, column].toarray().reshape(-1, 3)
+            state = self._state(nodes + 1j * _STEP * seed, values, config)
+            by_state[:, column] = state.imag.reshape(-1, 1) / _STEP
+        by_state = by_state.tocsr()
+        state = self._state(nodes, {name: group.value for name, group in self.DV_listGlobal.items()}, config)
+        result = by_rest.tolil()
+        for name, part in self._ranges().items():
+            chosen, axis = self._axes[name]
+            moved = axis.moved_to(rest[chosen], nodes[part])
+            rows = (3 * chosen[:, None] + np.arange(3)).ravel()
+            own = moved.matrix(state[part]).csr() @ by_state[11 * part.start:11 * part.stop]
+            at_rest = scipy.sparse.vstack([by_rest.tocsr()[rows], by_nodes.tocsr()[3 * part.start:3 * part.stop]])
+            result[rows] = own + moved.rest_matrix(state[part]).csr() @ at_rest
+        return result
+
+    def _require_no_effect(self, name, k, state, nodes, config):
+        """Refuses a function that changes the axes, but not their imaginary parts."""
+        values = {each: group.value.copy() for each, group in self.DV_listGlobal.items()}
+        values[name][k] += 1e-3 * max(1, abs(values[name][k]))
+        if not np.array_equal(self._state(nodes, values, config), state):
+            raise ValueError(f"{name}: its function drops the imaginary part of its values; derivatives need it (use no "
+                             "float(), no abs() and no real arrays)")
+
+    def _points_jacobian(self, name, rest, nodes, by_rest, by_nodes, config, columns):
+        by_pose = self._jacobian(rest, nodes, by_rest, by_nodes, config, columns)
+        # A child adds its own changes only.
+        result = jacobian(self._bindings[name], (by_pose - by_rest).tocsr()).csr()
+        pose = self._pose(rest, nodes, config)
+        for key, child in self.children.items():
+            if name in child.points:
+                places, deformation = self._carried[key]
+                carried = places + deformation @ (pose - self.lattice.positions)
+                by_carried = jacobian(deformation, by_pose).csr()
+                count = len(child.lattice.positions)
+                result = result + child._points_jacobian(name, carried[:count], carried[count:],
+                                                         by_carried[:3 * count], by_carried[3 * count:], config,
+                                                         columns)
+        return result
+
+    def computeTotalJacobian(self, ptSetName, config=None):
+        """Computes the derivatives of the points by the variables, as they are set. Returns a sparse matrix of shape
+        (variables, 3 N), which JT[ptSetName] keeps until variables are set."""
+        kept = self.JT.get(ptSetName)
+        if kept is not None and kept[0] == config:
+            return kept[1]
+        first, columns = 0, {}
+        for name, group in self._groups().items():
+            columns[name] = slice(first, first + group.nVal)
+            first = columns[name].stop
+        rest, nodes = self.lattice.positions, self._rest_nodes()
+        none = scipy.sparse.csr_matrix((3 * len(rest), first))
+        by_nodes = scipy.sparse.csr_matrix((3 * len(nodes), first))
+        result = self._points_jacobian(ptSetName, rest, nodes, none, by_nodes, config, columns).T.tocsr()
+        self.JT[ptSetName] = (config, result)
+        return result
+
+    def totalSensitivity(self, dIdpt, ptSetName, comm=None, config=None):
+        """Carries gradients by the points to the variables. Returns a dict from names to arrays (M, variables).
+
+        dIdpt : array (N, 3), or (M, N, 3) for M functions
+        comm : communicator of mpi4py, over which the results are summed
+        """
+        gradients = np.array(dIdpt, dtype=float).reshape(-1, len(self.points[ptSetName]), 3)
+        if ptSetName in self._transfer:
+            for m, each in enumerate(gradients):
+                gradients[m] = self._transfer[ptSetName](each, mode="bwd", applyDisplacement=False)
+        result = gradients.reshape(len(gradients), -1) @ self.computeTotalJacobian(ptSetName, config).T
+        return self.convertSensitivityToDict(comm.allreduce(result) if comm else result)
+
+    def totalSensitivityProd(self, vec, ptSetName, config=None):
+        """Carries changes of the variables to the points. Returns an array (3 N,): x, y, z of point 0, and so on.
+
+        vec : dict from names to arrays; variables that are not named do not change
+        """
+        groups = self._groups()
+        for name in vec:
+            if name not in groups:
+                raise ValueError(f"vec: there are no variables {name}; there are {', '.join(groups)}")
+        seeds = [np.ravel(np.asarray(vec.get(name, np.zeros(group.nVal)), dtype=float))
+                 for name, group in groups.items()]
+        moved = self.computeTotalJacobian(ptSetName, config).T @ np.concatenate([np.zeros(0), *seeds])
+        if ptSetName in self._transfer:
+            moved = np.ravel(self._transfer[ptSetName](moved.reshape(-1, 3), mode="fwd", applyDisplacement=False))
+        return moved
+
+    def totalSensitivityTransProd(self, vec, ptSetName, config=None):
+        """Carries one gradient by the points to the variables. Returns a dict from names to arrays (variables,).
+
+        vec : array (N, 3)
+        """
+        gradient = np.reshape(np.asarray(vec, dtype=float), (1, -1, 3))
+        return {name: each[0] for name, each in self.totalSensitivity(gradient, ptSetName, config=config).items()}
+
+    def convertSensitivityToDict(self, dIdx, out1D=False):
+        """Splits the columns of an array (M, variables) by the names of the variables: a dict."""
+        first, result = 0, {}
+        for name, group in self._groups().items():
+            columns = np.asarray(dIdx)[..., first:first + group.nVal]
+            result[name] = np.ravel(columns) if out1D else columns
+            first += group.nVal
+        return result
+
+    def convertDictToSensitivity(self, dIdxDict):
+        """Joins the arrays of a dict by the names of the variables: array (variables,)."""
+        return np.concatenate([np.zeros(0), *(np.ravel(dIdxDict[name]) for name in self._groups())])
+
+    def writeTecplot(self, fileName, solutionTime=None):
+        """Writes the lattice for the variables as they are set, as a .vtu for ParaView and Tecplot: the extension of
+        fileName becomes .vtu. Returns the path."""
+        path = pathlib.Path(fileName).with_suffix(".vtu")
+        self.lattice.with_positions(self.positions()).write(path)
+        return path
+
+
+def _placed(matrix, columns, total):
+    """A sparse matrix with the columns of another one at some columns."""
+    before = scipy.sparse.csr_matrix((matrix.shape[0], columns.start))
+    after = scipy.sparse.csr_matrix((matrix.shape[0], total - columns.stop))
+    return scipy.sparse.hstack([before, matrix, after]).tocsr()

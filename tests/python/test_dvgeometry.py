@@ -1,0 +1,318 @@
+# SPDX-License-Identifier: Apache-2.0
+"""espalier.dvgeometry: the calls of pyGeo on lattices. The numbers of pyGeo's own tests are compared by hand
+(docs/from-pygeo-pygem-su2.md)."""
+
+import numpy as np
+import pytest
+
+import espalier
+from espalier.dvgeometry import DVGeometry
+
+POINTS = np.random.default_rng(0).uniform((-0.9, -0.4, 0.1), (0.9, 0.4, 7.9), (20, 3))
+
+
+def wing():
+    """A wing of 3 x 1 x 3 cells along z."""
+    return espalier.shapes.box(cells=(3, 1, 3), min=(-1, -0.5, 0), max=(1, 0.5, 8))
+
+
+def tube():
+    """Eight sectors around an axis: no box, with vertices of other valences."""
+    return espalier.shapes.cylinder(sectors=8, layers=3, radius=1.5, start=(0, 0, 0), end=(0, 0, 8))
+
+
+def twist(values, geo):
+    for node in range(1, 4):
+        geo.rot_theta["axis"].coef[node] = values[node - 1]
+
+
+def chord(values, geo):
+    geo.scale_x["axis"].coef[:] = values
+
+
+def turn(values, geo):
+    geo.rot_x["axis"].coef[-1] = values[0]
+    geo.rot_y["axis"].coef[-1] = values[1]
+    geo.rot_z["axis"].coef[-1] = values[2]
+    geo.scale["axis"].coef[1] = 1 + values[0] / 100
+
+
+def span(values, geo):
+    nodes = geo.extractCoef("axis")
+    nodes[1:, 2] *= values[0]
+    nodes[-1, 0] += values[0] - 1
+    geo.restoreCoef(nodes, "axis")
+
+
+def with_variables(lattice, **axis):
+    geo = DVGeometry(lattice, level=2)
+    geo.addPointSet(POINTS, "points")
+    nodes = np.linspace((0, 0, 0), (0, 0, 8), 4)
+    assert geo.addRefAxis("axis", curve=nodes, **{"axis": np.array([0, 0, 1.0]), **axis}) == 4
+    geo.addGlobalDV("twist", np.zeros(3), twist, lower=-10, upper=10)
+    geo.addGlobalDV("chord", np.ones(4), chord)
+    geo.addGlobalDV("turn", np.zeros(3), turn)
+    geo.addGlobalDV("span", 1.0, span)
+    geo.addLocalDV("up", axis="y", vertices=[3, 5, 8])
+    geo.addShapeFunctionDV("bump", [{2: (0, 1, 0), 6: (0.5, 0, 0)}, {7: (0, 0, 1)}])
+    return geo
+
+
+def some_values(geo):
+    random = np.random.default_rng(5)
+    values = geo.getValues()
+    scales = {"twist": 20, "turn": 15}
+    return {name: value + scales.get(name, 0.1) * random.normal(size=value.shape) for name, value in values.items()}
+
+
+def expect_derivatives(geo, values, name="points", **config):
+    """Compares all forms of the derivatives with differences of fourth order."""
+    geo.setDesignVars(values)
+    count = geo.points[name].size
+    jacobian = geo.computeTotalJacobian(name, **config).toarray()
+    products = geo.totalSensitivity(np.eye(count).reshape(count, -1, 3), name, **config)
+    first = 0
+    for group in geo.getVarNames():
+        for k in range(len(values[group])):
+            h = 1e-3 * max(1, abs(values[group][k]))
+            ends = []
+            for step in (-2, -1, 1, 2):
+                moved = {each: value.copy() for each, value in values.items()}
+                moved[group][k] += step * h
+                geo.setDesignVars(moved)
+                ends.append(geo.update(name, **config).ravel())
+            expected = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * h)
+            np.testing.assert_allclose(jacobian[first + k], expected, atol=1e-9, err_msg=f"{group}[{k}]")
+            np.testing.assert_allclose(products[group][:, k], expected, atol=1e-9)
+        first += len(values[group])
+    geo.setDesignVars(values)
+    random = np.random.default_rng(6)
+    seed = {group: random.normal(size=len(value)) for group, value in values.items()}
+    np.testing.assert_allclose(geo.totalSensitivityProd(seed, name, **config),
+                               jacobian.T @ geo.convertDictToSensitivity(seed), atol=1e-12)
+    gradient = random.normal(size=(count // 3, 3))
+    back = geo.totalSensitivityTransProd(gradient, name, **config)
+    np.testing.assert_allclose(geo.convertDictToSensitivity(back), jacobian @ gradient.ravel(), atol=1e-12)
+
+
+@pytest.mark.parametrize("lattice", [wing, tube], ids=["box", "cylinder"])
+@pytest.mark.parametrize("axis", [{}, {"rotType": 0}, {"rotType": 1}, {"rotType": 7}, {"rotType": 0, "rot0ang": -90}],
+                         ids=str)
+def test_derivatives(lattice, axis):
+    geo = with_variables(lattice(), **axis)
+    np.testing.assert_array_equal(geo.update("points"), POINTS)
+    assert geo.getVarNames() == ["twist", "chord", "turn", "span", "up", "bump"]
+    assert geo.getNDV() == 3 + 4 + 3 + 1 + 3 + 2
+    expect_derivatives(geo, some_values(geo))
+
+
+def test_the_points_are_of_the_pose_of_the_lattice():
+    geo = with_variables(tube())
+    geo.setDesignVars(some_values(geo))
+    binding = espalier.bind(geo.lattice, POINTS, level=2)
+    np.testing.assert_allclose(geo.update("points"), binding.deform(geo.positions()), atol=1e-13)
+
+
+def test_a_twist_is_in_degrees_and_about_the_axis():
+    geo = DVGeometry(wing())
+    geo.addPointSet(POINTS, "points")
+    geo.addRefAxis("axis", curve=[(0, 0, 0), (0, 0, 8)], axis=np.array([0, 0, 1.0]))
+    def all_turn(values, geo):
+        geo.rot_z["axis"].coef[:] = values[0]
+    geo.addGlobalDV("turn", 0.0, all_turn)
+    geo.setDesignVars({"turn": 30, "other": 7})
+    np.testing.assert_allclose(geo.update("points"), espalier.pose.rotate(POINTS, "z", np.pi / 6, center=(0, 0, 0)),
+                               atol=1e-13)
+
+
+def test_axes_follow_from_the_layers_of_a_box():
+    geo = DVGeometry(wing())
+    assert geo.addRefAxis("axis", xFraction=0.25, yFraction=0.4, alignIndex="k") == 4
+    np.testing.assert_allclose(geo.axis["axis"]["curve"].X, [(-0.5, 0.1, 8 * k / 3) for k in range(4)])
+    np.testing.assert_allclose(geo.extractS("axis"), [0, 1 / 3, 2 / 3, 1])
+    np.testing.assert_array_equal(geo.getLocalIndex()[2, 1, 3], np.flatnonzero(
+        np.isclose(geo.lattice.positions, (1 / 3, 0.5, 8)).all(axis=1)))
+    with pytest.raises(ValueError, match="is not a hexahedron"):
+        DVGeometry(espalier.shapes.tetrahedron()).addRefAxis("axis", xFraction=0.5, alignIndex="k")
+
+
+def test_frozen_vertices_stay():
+    geo = DVGeometry(wing(), faceFreeze={"0": ["kLow"]}, frozen=[31])
+    held = np.append(np.flatnonzero(geo.lattice.positions[:, 2] < 3), 31)
+    assert geo.addLocalDV("all", axis="xyz") == 3 * (32 - len(held))
+    geo.addRefAxis("axis", curve=[(0, 0, 0), (0, 0, 8)])
+    def move(values, geo):
+        geo.restoreCoef(geo.extractCoef("axis") + values, "axis")
+    geo.addGlobalDV("move", np.zeros(3), move)
+    geo.setDesignVars({"all": np.full(geo.getNDV() - 3, 0.1), "move": (1, 2, 3)})
+    moved = (geo.positions() != geo.lattice.positions).any(axis=1)
+    np.testing.assert_array_equal(np.flatnonzero(~moved), np.unique(held))
+
+
+def test_variables_of_the_library():
+    design = espalier.DesignVariables(32)
+    design.mirror(wing().positions, axis=1)
+    geo = DVGeometry(wing())
+    assert geo.addLocalDV("even", design=design) == design.matrix().shape[1]
+    values = np.random.default_rng(1).normal(size=design.matrix().shape[1])
+    geo.setDesignVars({"even": values})
+    np.testing.assert_array_equal(geo.positions(),
+                                  geo.lattice.positions + (design.matrix().csr() @ values).reshape(-1, 3))
+
+
+def test_lines_move_alike():
+    geo = DVGeometry(wing())
+    assert geo.addSpanwiseLocalDV("section", "k", axis="y") == 8
+    values = np.arange(8.0)
+    geo.setDesignVars({"section": values})
+    lift = (geo.positions() - geo.lattice.positions)[geo.getLocalIndex()]
+    np.testing.assert_array_equal(lift[..., 1], np.broadcast_to(values.reshape(4, 2, 1), (4, 2, 4)))
+    assert (lift[..., [0, 2]] == 0).all()
+
+
+def test_children_add_their_changes():
+    """A child's vertices and axis follow the parent; its own changes are added, where its points are."""
+    parent = with_variables(wing())
+    small = espalier.shapes.box(cells=(2, 1, 2), min=(-0.8, -0.4, 1), max=(0.8, 0.4, 6))
+    child = DVGeometry(small, child=True, name="flap", level=2)
+    child.addRefAxis("hinge", curve=[(0, 0, 1), (0, 0, 6)], axis=np.array([0, 0, 1.0]), rotType=7)
+    def hinge(values, geo):
+        geo.rot_theta["hinge"].coef[:] = values
+        nodes = geo.extractCoef("hinge")
+        nodes[1, 0] += 0.01 * values[0]
+        geo.restoreCoef(nodes, "hinge")
+    child.addGlobalDV("angle", np.zeros(2), hinge)
+    child.addLocalDV("up", axis="y", vertices=[4, 7])
+    parent.addChild(child)
+    parent.addPointSet(POINTS, "points")
+    parent.addPointSet(POINTS, "without", activeChildren=[])
+    assert parent.getVarNames()[-2:] == ["flap_angle", "flap_up"]
+    np.testing.assert_allclose(parent.update("points"), POINTS, atol=1e-13)
+    values = some_values(parent)
+    values["flap_angle"] = np.array([10.0, -5.0])
+    expect_derivatives(parent, values)
+    change = parent.update("points") - parent.update("without")
+    inside = (np.abs(POINTS) <= (0.8, 0.4, 9)).all(axis=1) & (POINTS[:, 2] > 1) & (POINTS[:, 2] < 6)
+    assert 0 < inside.sum() < len(POINTS)
+    assert (np.abs(change[inside]) > 1e-6).any(axis=1).all() and (change[~inside] == 0).all()
+    # With the variables of the parent at rest, it is the change of the child alone.
+    parent.setDesignVars({name: value for name, value in with_variables(wing()).getValues().items()})
+    own = espalier.bind(small, POINTS, level=2).deform(child.positions())
+    np.testing.assert_allclose(parent.update("points"), own, atol=1e-13)
+    with pytest.raises(ValueError, match="^childDVGeo: there is a child flap already"):
+        parent.addChild(DVGeometry(small, child=True, name="flap"))
+    with pytest.raises(ValueError, match="^childDVGeo: expected a DVGeometry that was made with child=True"):
+        parent.addChild(DVGeometry(small))
+
+
+def test_points_in_another_frame():
+    def transfer(coords, mode="fwd", applyDisplacement=True):
+        turn = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+        if mode == "fwd":
+            return coords @ turn - np.array([0, 0, 5]) * applyDisplacement
+        return (coords + np.array([0, 0, 5]) * applyDisplacement) @ turn.T
+
+    geo = with_variables(wing())
+    there = transfer(POINTS)
+    geo.addPointSet(there, "there", coordXfer=transfer)
+    np.testing.assert_allclose(geo.update("there"), there, atol=1e-14)
+    values = some_values(geo)
+    geo.setDesignVars(values)
+    np.testing.assert_allclose(geo.update("there"), transfer(geo.update("points")), atol=1e-13)
+    gradient = np.random.default_rng(2).normal(size=(1, 20, 3))
+    here = geo.totalSensitivity(gradient @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]), "points")
+    for name, each in geo.totalSensitivity(gradient, "there").items():
+        np.testing.assert_allclose(each, here[name], atol=1e-12)
+    seed = {"up": np.array([1.0, 2, 3])}
+    np.testing.assert_allclose(geo.totalSensitivityProd(seed, "there").reshape(-1, 3), transfer(
+        geo.totalSensitivityProd(seed, "points").reshape(-1, 3), applyDisplacement=False), atol=1e-14)
+
+
+def test_configurations():
+    geo = with_variables(wing())
+    geo.addLocalDV("flaps", axis="y", config="landing")
+    values = some_values(geo)
+    expect_derivatives(geo, values, config="landing")
+    expect_derivatives(geo, values, config="cruise")
+    geo.setDesignVars({"flaps": np.full(32, 2.0)})
+    gap = geo.update("points", config="landing") - geo.update("points", config="cruise")
+    np.testing.assert_allclose(gap, np.broadcast_to((0, 2, 0), gap.shape), atol=1e-13)
+
+
+def test_up_to_date():
+    geo = with_variables(wing())
+    assert not geo.pointSetUpToDate("points")
+    geo.update("points")
+    assert geo.pointSetUpToDate("points")
+    geo.setDesignVars({"span": 1.1})
+    assert not geo.pointSetUpToDate("points")
+
+
+def test_a_matrix_in_place_of_binding():
+    geo = DVGeometry(wing())
+    geo.addLocalDV("up", axis="y")
+    matrix = espalier.bind(wing(), POINTS, basis="bezier").matrix
+    geo.addPointSet(POINTS, "bezier", deformation=matrix)
+    geo.addPointSet(POINTS, "same", basis="bezier")
+    values = np.random.default_rng(3).normal(size=32)
+    geo.setDesignVars({"up": values})
+    np.testing.assert_array_equal(geo.update("bezier"), geo.update("same"))
+    np.testing.assert_allclose(geo.update("bezier")[:, 1], POINTS[:, 1] + matrix @ values, atol=1e-14)
+
+
+def test_variables_for_pyoptsparse():
+    class Problem:
+        groups = {}
+
+        def addVarGroup(self, name, count, kind, value, lower, upper, scale):
+            self.groups[name] = (count, kind, lower, upper)
+
+    geo, problem = with_variables(wing()), Problem()
+    geo.addVariablesPyOpt(problem, ignoreVars=["span"], freezeVars=["chord"])
+    assert list(problem.groups) == ["twist", "chord", "turn", "up", "bump"]
+    assert problem.groups["up"] == (3, "c", None, None)
+    np.testing.assert_array_equal(problem.groups["twist"][2], [-10] * 3)
+    np.testing.assert_array_equal(problem.groups["chord"][3], np.ones(4))
+
+
+def test_the_lattice_is_written(tmp_path):
+    geo = with_variables(wing())
+    geo.setDesignVars(some_values(geo))
+    path = geo.writeTecplot(str(tmp_path / "lattice.dat"))
+    assert path == tmp_path / "lattice.vtu"
+    np.testing.assert_array_equal(espalier.read(path).positions, geo.positions())
+
+
+def test_wrong_arguments():
+    geo = with_variables(wing())
+    for call, message in [
+            (lambda: geo.setDesignVars({"twist": [1, 2]}), "^twist: expected 3 values, got 2$"),
+            (lambda: geo.setDesignVars({"up": [0, np.nan, 0]}), "^up: expected finite numbers$"),
+            (lambda: geo.addLocalDV("up"), "^dvName: there are variables up already$"),
+            (lambda: geo.addGlobalDV("more", np.zeros(3), twist, lower=[1, 2]),
+             "^more: expected one bound or 3, got 2$"),
+            (lambda: geo.addLocalDV("blocks", volList=[0]), "^volList: the blocks are one lattice; give `vertices`$"),
+            (lambda: geo.addShapeFunctionDV("far", {32: (0, 0, 1)}), r"^shapes\[0\]: there is no vertex 32$"),
+            (lambda: geo.addRefAxis("b", curve=[(0, 0, 0), (0, 0, 1)], rotType=8), "^rotType: expected 0 to 7, got 8$"),
+            (lambda: geo.addRefAxis("b"), "^curve: expected nodes, or xFraction"),
+            (lambda: geo.addPointSet(POINTS, "p", origConfig=False), "^origConfig: expected True"),
+            (lambda: geo.getLocalIndex(1), "^iVol: the blocks are one lattice"),
+            (lambda: geo.totalSensitivityProd({"none": [1]}, "points"), "^vec: there are no variables none; there are "),
+            (lambda: DVGeometry(wing(), isComplex=True), "^isComplex: the derivatives")]:
+        with pytest.raises(ValueError, match=message):
+            call()
+    def real(values, geo):
+        nodes = np.zeros((4, 3))
+        nodes[:, 2] = np.linspace(0, 8, 4) * float(abs(values[0]))
+        geo.restoreCoef(nodes, "axis")
+    geo.addGlobalDV("real", 1.0, real)
+    with pytest.raises(ValueError, match="^real: its function drops the imaginary part of its values"):
+        geo.totalSensitivity(POINTS, "points")
+    del geo.DV_listGlobal["real"]
+    def cast(values, geo):
+        stretched = np.zeros(4)
+        stretched[:] = values[0]
+        geo.scale_x["axis"].coef[:] = stretched
+    geo.addGlobalDV("cast", 1.0, cast)
+    with pytest.raises(ValueError, match="^cast: its function drops the imaginary part of its values"):
+        geo.totalSensitivity(POINTS, "points")
