@@ -16,6 +16,8 @@ import numpy as np
 import pytest
 
 import espalier
+import espalier.dvgeometry
+import espalier.openmdao
 
 PACKAGE = pathlib.Path(espalier.__file__).parent
 SOURCE = pathlib.Path(__file__).parents[2]
@@ -27,6 +29,11 @@ assert espalier.__file__.startswith({root!r}), espalier.__file__
 rest = espalier.shapes.box(cells=(2, 2, 2))
 points = np.full((1, 3), 0.4)
 assert np.allclose(espalier.bind(rest, points).deform(rest.positions), points)
+from espalier.dvgeometry import DVGeometry
+import espalier.openmdao
+geo = DVGeometry(rest)
+geo.addPointSet(points, "points")
+assert geo.addLocalDV("up", axis="z") == 27
 assert np.allclose(espalier.constraints.distances(rest.positions, [[0, 26]])[0], 3 ** 0.5)
 print(espalier.__version__)
 """
@@ -36,7 +43,8 @@ needs_build = pytest.mark.skipif(BINARY_DIR is None, reason="ctest says where th
 
 def public_objects():
     """Returns the names and objects that users see."""
-    for module in (espalier, espalier.constraints, espalier.pose, espalier.shapes):
+    for module in (espalier, espalier.constraints, espalier.dvgeometry, espalier.openmdao, espalier.pose,
+                   espalier.shapes):
         for name in module.__all__:
             each = getattr(module, name)
             if inspect.ismodule(each) or isinstance(each, str):
@@ -143,7 +151,8 @@ def test_installed_where_debians_python_looks(installed):
         assert f"{prefix}/{SITE}" in site.getsitepackages()
     assert check_import(installed) == espalier.__version__
     names = {path.name for path in (installed / "espalier").iterdir()}
-    assert names >= {"__init__.py", "__init__.pyi", "constraints.py", "constraints.pyi", "pose.py", "pose.pyi", "shapes.py",
+    assert names >= {"__init__.py", "__init__.pyi", "constraints.py", "constraints.pyi", "dvgeometry.py",
+                     "dvgeometry.pyi", "openmdao.py", "openmdao.pyi", "pose.py", "pose.pyi", "shapes.py",
                      "shapes.pyi", "py.typed"}
     assert not any(path.is_symlink() for path in (installed / "espalier").iterdir())
 
