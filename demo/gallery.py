@@ -22,6 +22,7 @@ import gallery_poses
 import gallery_rats
 import gallery_solvers
 import gallery_splats
+import gallery_wing
 from gallery_page import Entry, demo_entries, write_page
 from gallery_parts import Program
 from palette import write_palette_png
@@ -34,7 +35,7 @@ SECTIONS = (
     ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
     ("Polyhedra", [], gallery_polyhedra.FIGURES),
     ("RATS splines", [], gallery_rats.FIGURES),
-    ("Gradients and solvers", [], gallery_solvers.FIGURES),
+    ("Gradients and solvers", [], gallery_solvers.FIGURES + gallery_wing.FIGURES),
 )
 
 
