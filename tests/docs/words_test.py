@@ -30,6 +30,8 @@ LISTS = {
     "TorusSection": ("SECTION", "section", None, None),
     "Symmetric": ("SYMMETRIC", "symmetric", "symmetric", None),
     "Falloff": ("FALLOFF", "_Falloff", "profile", None),
+    "AxisLink": (None, "link", None, None),
+    "TurnOrder": (None, "order", None, None),
 }
 # Words for the program alone.
 ONLY_HERE = {"ReportFormat", "PetscInt"}

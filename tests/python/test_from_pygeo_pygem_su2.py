@@ -8,6 +8,7 @@ import pytest
 from scipy.special import binom
 
 import espalier
+from espalier.dvgeometry import DVGeometry
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
@@ -36,6 +37,32 @@ def test_an_ffd_box_of_pygeo(tmp_path):
     gradients = np.ones_like(points)
     np.testing.assert_allclose(binding.adjoint(gradients), jacobian.T @ gradients, atol=1e-12)
     assert len(lattice.hexahedra) == 6
+
+
+def test_a_dvgeometry(tmp_path):
+    """The calls of pyGeo's class; tests/python/test_dvgeometry.py has the tests of each."""
+    (tmp_path / "ffd.xyz").write_text(plot3d(grid((-1, -0.3, 0.3, 1), (-0.5, 0.5), (0, 3, 6, 8))))
+    points = np.random.default_rng(4).uniform((-0.9, -0.4, 0.1), (0.9, 0.4, 7.9), (30, 3))
+    by_points = np.ones((30, 3))
+
+    def twist(values, geo):
+        geo.rot_theta["axis"].coef[1:] = values
+
+    geo = DVGeometry(tmp_path / "ffd.xyz")
+    nodes = geo.addRefAxis("axis", xFraction=0.25, alignIndex="k", rotType=0)
+    geo.addGlobalDV("twist", np.zeros(nodes - 1), twist, lower=-10, upper=10)
+    geo.addLocalDV("shape", lower=-0.5, upper=0.5, axis="y")
+    geo.addShapeFunctionDV("bump", [{geo.getLocalIndex()[1, 1, 2]: (0, 1, 0)}])
+    geo.addPointSet(points, "wing")
+    geo.setDesignVars({"twist": np.linspace(1, 5, nodes - 1)})
+    moved = geo.update("wing")
+    gradient = geo.totalSensitivity(by_points, "wing")
+    assert nodes == 4 and gradient["twist"].shape == (1, 3) and gradient["shape"].shape == (1, 32)
+    # The end of the wing turns by 5 degrees about the axis, at x = -0.5.
+    end = np.flatnonzero(geo.lattice.positions[:, 2] == 8)
+    turned = espalier.pose.rotate(geo.lattice.positions[end], "z", np.radians(5), center=(-0.5, 0, 8))
+    np.testing.assert_allclose(geo.positions()[end], turned, atol=1e-14)
+    assert np.abs(moved - points).max() > 0.05
 
 
 def test_a_box_of_pygem():

@@ -36,6 +36,30 @@ def test_targets_that_leave_vertices_open(rest, binding):
         espalier.fit(rest, binding, [[0.1, 0, 0]], rows=[0], undetermined="refuse")
 
 
+def test_a_reference_axis_carries_vertices(rest):
+    axis = espalier.ReferenceAxis(rest.positions, [[0.1, 0.2, 0], [0.1, 0.2, 3]], link="across", direction=(0, 0, 2))
+    assert axis.at_rest.shape == (2, 11)
+    np.testing.assert_allclose(axis.feet, rest.positions * (0, 0, 1) + (0.1, 0.2, 0), atol=1e-15)
+    values = axis.at_rest
+    values[1, 6] = 0.5
+    twisted = espalier.pose.twist(rest.positions, "z", 0.5, center=(0.1, 0.2, 0))
+    np.testing.assert_allclose(axis.positions(values), twisted, atol=1e-14)
+    # The derivatives by the values and by the rest, in a direction.
+    random = np.random.default_rng(8)
+    step, moves, h = random.normal(size=(2, 11)), random.normal(size=(len(rest.positions) + 2, 3)), 1e-6
+    nodes = axis.at_rest[:, :3]
+
+    def at(t):
+        moved = axis.moved_to(rest.positions + t * moves[:-2], nodes + t * moves[-2:])
+        return moved.positions(values + t * step).ravel()
+    expected = axis.matrix(values).csr() @ step.ravel() + axis.rest_matrix(values).csr() @ moves.ravel()
+    np.testing.assert_allclose((at(h) - at(-h)) / (2 * h), expected, atol=1e-8)
+    with pytest.raises(ValueError, match=r"^values: expected shape \(2, 11\), got shape \(22, 2\)"):
+        axis.positions(np.zeros((22, 2)))
+    with pytest.raises(ValueError, match="^link: expected nearest, along or across, got"):
+        espalier.ReferenceAxis(rest.positions, nodes, link="far")
+
+
 def test_pulls_keep_cells_rigid(rest, points, binding):
     pull = espalier.RigidPull(rest, binding, rows=[17, 4, 200], reach=1)
     assert len(pull.fixed) == 0
