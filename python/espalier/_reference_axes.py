@@ -10,6 +10,7 @@ from . import pose as _pose
 from ._core import ReferenceAxis
 
 _VALUES = ("rot_x", "rot_y", "rot_z", "rot_theta", "scale", "scale_x", "scale_y", "scale_z")
+_ComplexWarning = getattr(np, "exceptions", np).ComplexWarning  # its place in NumPy 2, and before
 _ORDERS = {1: "xyz", 2: "xzy", 3: "yzx", 4: "yxz", 5: "zxy", 6: "zyx", 7: "zxy", 0: "zxy"}
 
 
@@ -36,7 +37,7 @@ class ReferenceAxes:
 
     def __init__(self):
         self.axis, self.DV_listGlobal = OrderedDict(), OrderedDict()
-        self._axes = {}
+        self._axes, self._parent = {}, None
         self._start_axes(np.zeros((0, 3)))
 
     def addRefAxis(self, name, curve=None, xFraction=None, yFraction=None, zFraction=None, volumes=None, rotType=5,
@@ -57,6 +58,8 @@ class ReferenceAxes:
         ignoreInd : vertices that the axis does not move
         vertices : array (K,) of int: the vertices that the axis moves; all by default
         """
+        if self._parent is not None:
+            raise ValueError("name: add the reference axes of a child before addChild()")
         if volumes is not None or len(includeVols) > 0:
             raise ValueError("volumes: the blocks are one lattice; give `vertices`")
         if rotType not in _ORDERS or rotAxisVar is not None:
@@ -147,13 +150,13 @@ class ReferenceAxes:
         """
         self._start_axes(nodes)
         with warnings.catch_warnings():
-            warnings.simplefilter("error", np.ComplexWarning)
+            warnings.simplefilter("error", _ComplexWarning)
             for name, group in self.DV_listGlobal.items():
                 if not group.applies(config):
                     continue
                 try:
                     group.function(values[name], self)
-                except np.ComplexWarning as error:
+                except _ComplexWarning as error:
                     raise ValueError(f"{name}: its function drops the imaginary part of its values; derivatives need it "
                                      "(use no float(), no abs() and no real arrays)") from error
         state = np.empty((len(self.coef), 11), self.coef.dtype)

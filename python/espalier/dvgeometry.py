@@ -21,11 +21,10 @@ import numpy as np
 import scipy.sparse
 
 from ._core import DesignVariables, Lattice, Refiner, bind, jacobian, read
+from ._derivatives import Derivatives
 from ._reference_axes import ReferenceAxes
 
 __all__ = ["DVGeometry"]
-
-_STEP = 1e-40  # of the complex step, by which functions of global variables are differentiated
 
 
 class _Group:
@@ -61,7 +60,7 @@ class _Local(_Group):
         self.matrix = matrix  # displacements by variables, of shape (3 V, variables)
 
 
-class DVGeometry(ReferenceAxes):
+class DVGeometry(ReferenceAxes, Derivatives):
     """Design variables of a lattice, and the points that follow it, by the calls of pyGeo.
 
     lattice    : path of a file, Lattice, or Refiner; a PLOT3D file of boxes is welded to one lattice
@@ -85,7 +84,7 @@ class DVGeometry(ReferenceAxes):
         self.name, self.isChild = name, child
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
         self.children, self.DV_listLocal = OrderedDict(), OrderedDict()
-        self._bindings, self._carried, self._transfer = {}, {}, {}
+        self._bindings, self._carried, self._transfer, self._kept = {}, {}, {}, {}
         super().__init__()
         self._frozen = np.zeros(len(self.lattice.positions), bool)
         self._frozen[np.asarray(frozen, int)] = True
@@ -122,6 +121,7 @@ class DVGeometry(ReferenceAxes):
             self.ptSetNames.append(ptName)
         self.points[ptName], self._bindings[ptName] = points, deformation
         self.updated[ptName], self.JT[ptName] = False, None
+        self._kept.pop(ptName, None)
         for name, child in self.children.items():
             if activeChildren is None or name in activeChildren:
                 child.addPointSet(points, ptName)
@@ -140,14 +140,15 @@ class DVGeometry(ReferenceAxes):
 
         childDVGeo : DVGeometry with child=True
         """
-        if not childDVGeo.isChild:
-            raise ValueError("childDVGeo: expected a DVGeometry that was made with child=True")
+        if not childDVGeo.isChild or childDVGeo._parent is not None:
+            raise ValueError("childDVGeo: expected a DVGeometry that was made with child=True, and is in no other")
         name = childDVGeo.name if childDVGeo.name is not None else f"child{len(self.children)}"
         if name in self.children:
             raise ValueError(f"childDVGeo: there is a child {name} already; give it another name")
         places = np.vstack([childDVGeo.lattice.positions, childDVGeo._rest_nodes()])
         self._carried[name] = (places, self._bound(places, {"outside": "nearest"}))
-        self.children[name] = childDVGeo
+        self.children[name], childDVGeo._parent = childDVGeo, self
+        self._changed()
 
     # Variables.
 
@@ -160,6 +161,9 @@ class DVGeometry(ReferenceAxes):
     def _changed(self):
         for name in self.ptSetNames:
             self.updated[name], self.JT[name] = False, None
+        self._kept = {}
+        if self._parent is not None:
+            self._parent._changed()
 
     def addGlobalDV(self, dvName, value, func, lower=None, upper=None, scale=1.0, config=None, prependName=True):
         """Adds variables that a function applies to the reference axes.
@@ -334,80 +338,17 @@ class DVGeometry(ReferenceAxes):
                 change = change + child._displacements(name, carried[:count], carried[:count], carried[count:], config)
         return change
 
-    def _jacobian(self, rest, nodes, by_rest, by_nodes, config, columns):
-        """The derivatives of the vertices by all variables: sparse matrix (3 V, variables).
-
-        by_rest, by_nodes : the derivatives of rest and nodes, by the variables of the parents
-        columns : dict from names to slices of columns
-        """
-        total = by_rest.shape[1]
-        result = by_rest.tolil() if self.axis else by_rest
-        if self.axis:
-            result = self._axes_jacobian(rest, nodes, by_rest, by_nodes, config, columns, total)
-        for name, group in self.DV_listLocal.items():
-            if group.applies(config):
-                result = result + _placed(group.matrix, columns[name], total)
-        return result.tocsr()
-
-    def _axes_jacobian(self, rest, nodes, by_rest, by_nodes, config, columns, total):
-        values = {name: group.value.astype(complex) for name, group in self.DV_listGlobal.items()}
-        by_state = scipy.sparse.lil_matrix((11 * len(nodes), total))
-        dense_nodes = by_nodes.tocsc()
-        inputs = [(name, k) for name in values for k in range(len(values[name]))]
-        for name, k in inputs:
-            start = values[name]
-            values[name] = start.copy()
-            values[name][k] += 1j * _STEP
-            state = self._state(nodes.astype(complex), values, config)
-            values[name] = start
-            if not state.imag.any():
-                self._require_no_effect(name, k, state.real, nodes, config)
-            by_state[:, columns[name].start + k] = state.imag.reshape(-1, 1) / _STEP
-        # The functions start from nodes that the parents carry.
-        for column in np.unique(dense_nodes.nonzero()[1]):
-            seed = dense_nodes[:, column].toarray().reshape(-1, 3)
-            state = self._state(nodes + 1j * _STEP * seed, values, config)
-            by_state[:, column] = state.imag.reshape(-1, 1) / _STEP
-        by_state = by_state.tocsr()
-        state = self._state(nodes, {name: group.value for name, group in self.DV_listGlobal.items()}, config)
-        result = by_rest.tolil()
-        for name, part in self._ranges().items():
-            chosen, axis = self._axes[name]
-            moved = axis.moved_to(rest[chosen], nodes[part])
-            rows = (3 * chosen[:, None] + np.arange(3)).ravel()
-            own = moved.matrix(state[part]).csr() @ by_state[11 * part.start:11 * part.stop]
-            at_rest = scipy.sparse.vstack([by_rest.tocsr()[rows], by_nodes.tocsr()[3 * part.start:3 * part.stop]])
-            result[rows] = own + moved.rest_matrix(state[part]).csr() @ at_rest
-        return result
-
-    def _require_no_effect(self, name, k, state, nodes, config):
-        """Refuses a function that changes the axes, but not their imaginary parts."""
-        values = {each: group.value.copy() for each, group in self.DV_listGlobal.items()}
-        values[name][k] += 1e-3 * max(1, abs(values[name][k]))
-        if not np.array_equal(self._state(nodes, values, config), state):
-            raise ValueError(f"{name}: its function drops the imaginary part of its values; derivatives need it (use no "
-                             "float(), no abs() and no real arrays)")
-
-    def _points_jacobian(self, name, rest, nodes, by_rest, by_nodes, config, columns):
-        by_pose = self._jacobian(rest, nodes, by_rest, by_nodes, config, columns)
-        # A child adds its own changes only.
-        result = jacobian(self._bindings[name], (by_pose - by_rest).tocsr()).csr()
-        pose = self._pose(rest, nodes, config)
-        for key, child in self.children.items():
-            if name in child.points:
-                places, deformation = self._carried[key]
-                carried = places + deformation @ (pose - self.lattice.positions)
-                by_carried = jacobian(deformation, by_pose).csr()
-                count = len(child.lattice.positions)
-                result = result + child._points_jacobian(name, carried[:count], carried[count:],
-                                                         by_carried[:3 * count], by_carried[3 * count:], config,
-                                                         columns)
-        return result
-
     def computeTotalJacobian(self, ptSetName, config=None):
         """Computes the derivatives of the points by the variables, as they are set. Returns a sparse matrix of shape
         (variables, 3 N), which JT[ptSetName] keeps until variables are set."""
-        kept = self.JT.get(ptSetName)
+        if self.JT[ptSetName] is None or self.JT[ptSetName][0] != config:
+            parts = [jacobian(deformation, change).csr() for deformation, change in self._parts(ptSetName, config)]
+            self.JT[ptSetName] = config, sum(parts[1:], parts[0]).T.tocsr()
+        return self.JT[ptSetName][1]
+
+    def _parts(self, ptSetName, config):
+        """The pairs of _changes() for the variables as they are set."""
+        kept = self._kept.get(ptSetName)
         if kept is not None and kept[0] == config:
             return kept[1]
         first, columns = 0, {}
@@ -417,9 +358,9 @@ class DVGeometry(ReferenceAxes):
         rest, nodes = self.lattice.positions, self._rest_nodes()
         none = scipy.sparse.csr_matrix((3 * len(rest), first))
         by_nodes = scipy.sparse.csr_matrix((3 * len(nodes), first))
-        result = self._points_jacobian(ptSetName, rest, nodes, none, by_nodes, config, columns).T.tocsr()
-        self.JT[ptSetName] = (config, result)
-        return result
+        parts = self._changes(ptSetName, rest, nodes, none, by_nodes, config, columns)
+        self._kept[ptSetName] = config, parts
+        return parts
 
     def totalSensitivity(self, dIdpt, ptSetName, comm=None, config=None):
         """Carries gradients by the points to the variables. Returns a dict from names to arrays (M, variables).
@@ -431,7 +372,11 @@ class DVGeometry(ReferenceAxes):
         if ptSetName in self._transfer:
             for m, each in enumerate(gradients):
                 gradients[m] = self._transfer[ptSetName](each, mode="bwd", applyDisplacement=False)
-        result = gradients.reshape(len(gradients), -1) @ self.computeTotalJacobian(ptSetName, config).T
+        result = np.zeros((len(gradients), self.getNDV()))
+        for deformation, change in self._parts(ptSetName, config):
+            # Dᵀ first: there are fewer vertices than points.
+            by_vertices = [np.ravel(deformation.T @ each) for each in gradients]
+            result += (change.T @ np.transpose(by_vertices)).T
         return self.convertSensitivityToDict(comm.allreduce(result) if comm else result)
 
     def totalSensitivityProd(self, vec, ptSetName, config=None):
@@ -445,7 +390,9 @@ class DVGeometry(ReferenceAxes):
                 raise ValueError(f"vec: there are no variables {name}; there are {', '.join(groups)}")
         seeds = [np.ravel(np.asarray(vec.get(name, np.zeros(group.nVal)), dtype=float))
                  for name, group in groups.items()]
-        moved = self.computeTotalJacobian(ptSetName, config).T @ np.concatenate([np.zeros(0), *seeds])
+        seed = np.concatenate([np.zeros(0), *seeds])
+        moved = np.ravel(sum(deformation @ (change @ seed).reshape(-1, 3)
+                             for deformation, change in self._parts(ptSetName, config)))
         if ptSetName in self._transfer:
             moved = np.ravel(self._transfer[ptSetName](moved.reshape(-1, 3), mode="fwd", applyDisplacement=False))
         return moved
@@ -477,10 +424,3 @@ class DVGeometry(ReferenceAxes):
         path = pathlib.Path(fileName).with_suffix(".vtu")
         self.lattice.with_positions(self.positions()).write(path)
         return path
-
-
-def _placed(matrix, columns, total):
-    """A sparse matrix with the columns of another one at some columns."""
-    before = scipy.sparse.csr_matrix((matrix.shape[0], columns.start))
-    after = scipy.sparse.csr_matrix((matrix.shape[0], total - columns.stop))
-    return scipy.sparse.hstack([before, matrix, after]).tocsr()

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import DesignVariables, Lattice, Refiner, _Path, _Sparse
+from ._derivatives import Derivatives
 from ._reference_axes import ReferenceAxes
 
 _Floats = NDArray[np.float64]
 _Config = str | Sequence[str] | None
 _Bound = ArrayLike | None
 
-class DVGeometry(ReferenceAxes):
+class DVGeometry(ReferenceAxes, Derivatives):
     axis: OrderedDict[str, dict[str, Any]]
     children: OrderedDict[str, DVGeometry]
     coef: NDArray[Any]

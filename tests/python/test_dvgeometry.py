@@ -199,6 +199,17 @@ def test_children_add_their_changes():
     parent.setDesignVars({name: value for name, value in with_variables(wing()).getValues().items()})
     own = espalier.bind(small, POINTS, level=2).deform(child.positions())
     np.testing.assert_allclose(parent.update("points"), own, atol=1e-13)
+    # Variables that the child gets later, or that are set on the child, count as well.
+    parent.update("points")
+    parent.totalSensitivity(POINTS, "points")
+    child.addLocalDV("side", axis="x", vertices=[2])
+    assert not parent.pointSetUpToDate("points")
+    expect_derivatives(parent, {**parent.getValues(), "flap_side": np.array([0.1])})
+    before = parent.update("points")
+    child.setDesignVars({"flap_side": 0.3})
+    assert not parent.pointSetUpToDate("points") and np.abs(parent.update("points") - before).max() > 1e-3
+    with pytest.raises(ValueError, match=r"^name: add the reference axes of a child before addChild\(\)$"):
+        child.addRefAxis("late", curve=[(0, 0, 1), (0, 0, 6)])
     with pytest.raises(ValueError, match="^childDVGeo: there is a child flap already"):
         parent.addChild(DVGeometry(small, child=True, name="flap"))
     with pytest.raises(ValueError, match="^childDVGeo: expected a DVGeometry that was made with child=True"):
