@@ -232,7 +232,7 @@ Array<double> npyMatrix(const NpyArray& array) {
     if (array.shape.size() != 2)
         throw CodingError(concat("has ", array.shape.size(), " axes; expected two"));
     const std::size_t rows = array.shape[0], columns = array.shape[1];
-    const auto stored = numbersOf<double>(array, rows * columns);
+    auto stored = numbersOf<double>(array, rows * columns);
     if (!array.isFortranOrder) return stored;
     Array<double> numbers(stored.size());
     for (std::size_t i = 0; i < stored.size(); ++i)
