@@ -225,7 +225,6 @@ void addOperations(CLI::App& command, PoseOptions& of) {
             },
             "Move each vertex by its own vector, from a table of vertices and vectors: " +
                 filesToRead(io::FileContent::Displacements))
-        ->type_name("FILE")
         ->trigger_on_parse();
     addAlongAxis(
         command, steps, "--rotate", "DEGREES",

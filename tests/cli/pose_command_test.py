@@ -128,6 +128,8 @@ class Pose(CliTest):
         self.assertIn("none.csv: cannot open", error("none.csv"))
         self.put("step.txt", "0 0 0 1\n")
         self.assertIn("step.txt: is not a table of displacements; expected .npy or .csv", error("step.txt"))
+        self.assertIn("--displacements: expected the name of a file, got nothing", self.error_of(
+            "pose", "rest.ovm", "--displacements", "", "-o", "x.ovm", code=2))
         self.put("same.ovm", "")
         self.assertIn("is also an input (--displacements)", self.error_of(
             "pose", "rest.ovm", "--displacements", "same.ovm", "-o", "same.ovm", code=1))
