@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "surface_fans.h"
+#include <espalier/far/surface_fans.h>
 
 namespace espalier::far {
 namespace {

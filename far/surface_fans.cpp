@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface_fans.h"
+#include <espalier/far/surface_fans.h>
 
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/progress.h>

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/far/cell_complex.h>
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+// How faces meet; not installed.
 namespace espalier::far {
 
 /// Classifies how the faces of a surface meet in its edges and around its vertices. The surface is
 /// a mesh, or the boundary of a lattice.
-class SurfaceFans {
+class ESPALIER_API SurfaceFans {
 public:
     /// \param complex must outlive this object
     /// \param isSurfaceFace one per face of `complex`, not 0 for the faces that form the surface

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/attach.h>
+#include <espalier/shapes/new_vertices.h>
 
 #include <numeric>
 #include <string>
@@ -11,34 +12,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-/// Returns the lattice with the new vertices after the old ones; no cell uses them yet.
-Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices) {
-    Lattice result = lattice;
-    for (const NewVertex& vertex : newVertices) result.positions.push_back(vertex.position);
-    for (VertexAttribute& attribute : result.attributes) {
-        const std::size_t components = attribute.components;
-        for (const NewVertex& vertex : newVertices)
-            for (std::size_t component = 0; component < components; ++component) {
-                double total = 0;
-                for (const Index from : vertex.attributesFrom)
-                    total += attribute.values[from * components + component];
-                const auto count = static_cast<double>(vertex.attributesFrom.size());
-                attribute.values.push_back(count > 0 ? total / count : 0);
-            }
-    }
-    for (auto& [name, components, type, values] : result.integers)
-        for (const NewVertex& vertex : newVertices)
-            for (int component = 0; component < components; ++component) {
-                if (vertex.attributesFrom.size() != 1) {
-                    values.push_back(noInteger(type));
-                    continue;
-                }
-                const Offset from = vertex.attributesFrom[0];
-                values.push_back(values[from * components + component]);
-            }
-    return result;
-}
 
 void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
     requireConsistent("attach", "the lattice", lattice, 3);
@@ -123,7 +96,7 @@ Lattice attachPyramid(const Lattice& lattice, FaceId face, const Point3& apex) {
 Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> loops,
                    std::span<const NewVertex> newVertices) {
     check(lattice, newVertices);
-    Lattice result = extended(lattice, newVertices);
+    Lattice result = withNewVertices(lattice, newVertices);
     std::vector<Index> sameNumber(lattice.positions.size());
     std::iota(sameNumber.begin(), sameNumber.end(), Index{0});
     far::ComplexBuilder builder(3, static_cast<Index>(result.positions.size()));

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
+#include <espalier/shapes/lattice.h>
+
+#include <span>
+#include <vector>
+
+/// \file
+/// The vertices of a lattice that poses and fits keep in place, such as the outer vertices of a
+/// collar (cages/collar.h). The lattice and its files have them as integers with the name "held".
+namespace espalier::shapes {
+
+/// The name of the integers, one for each vertex: a vertex with a 1 is held; one with another
+/// number is not. So vertices of refined and merged lattices that have no integers (noInteger())
+/// are not held.
+inline constexpr const char* kHeld = "held";
+
+/// Returns the vertices that are held, ascending. Empty if the lattice has no such integers, or
+/// more than one for each vertex.
+ESPALIER_API std::vector<Index> heldVertices(const Lattice& lattice);
+
+/// Makes the given vertices the held ones, and no others.
+/// \param vertices in any order; repeated numbers count once
+/// \throws ArgumentError for a vertex that does not exist
+ESPALIER_API void setHeldVertices(Lattice& lattice, std::span<const Index> vertices);
+
+/// Returns weights for the operations of pose.h, with the weight 0 for held vertices.
+/// \param weights one per vertex; empty: 1 for all
+/// \return empty if `weights` is empty and no vertex is held
+/// \throws Error for a wrong number of weights
+ESPALIER_API std::vector<double> weightsWithHeld(const Lattice& lattice,
+                                                 std::span<const double> weights = {});
+
+/// Returns the vertices that a fit keeps: the given ones and the held ones, ascending.
+/// \param frozen in any order; numbers of vertices that do not exist are kept, too
+ESPALIER_API std::vector<Index> frozenWithHeld(const Lattice& lattice,
+                                               std::span<const Index> frozen = {});
+
+}  // namespace espalier::shapes

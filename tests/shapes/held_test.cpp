@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/held.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/pose.h>
+
+#include "support/test.h"
+
+namespace espalier::shapes {
+namespace {
+
+TEST(Held, VerticesAreIntegersNamedHeld) {
+    Lattice lattice = box({{1, 1, 1}});
+    EXPECT_THAT(heldVertices(lattice), IsEmpty());
+    const Index some[] = {5, 2, 5};
+    setHeldVertices(lattice, some);
+    EXPECT_THAT(heldVertices(lattice), ElementsAre(2, 5));
+    ASSERT_EQ(lattice.integers.size(), 1u);
+    EXPECT_EQ(lattice.integers[0].name, "held");
+    // A vertex of a refined lattice has noInteger(), and another number is not "held" either.
+    lattice.integers[0].values[2] = noInteger(lattice.integers[0].type);
+    lattice.integers[0].values[3] = 7;
+    EXPECT_THAT(heldVertices(lattice), ElementsAre(5));
+    setHeldVertices(lattice, {});
+    EXPECT_EQ(lattice.integers.size(), 1u);
+    EXPECT_THAT(heldVertices(lattice), IsEmpty());
+    const Index none[] = {8};
+    EXPECT_REFUSED(Error, "0 to 7", setHeldVertices(lattice, none));
+}
+
+TEST(Held, VerticesGetNoWeight) {
+    Lattice lattice = box({{1, 1, 1}});
+    EXPECT_THAT(weightsWithHeld(lattice), IsEmpty());
+    const Index some[] = {1, 6};
+    setHeldVertices(lattice, some);
+    EXPECT_THAT(weightsWithHeld(lattice), ElementsAre(1, 0, 1, 1, 1, 1, 0, 1));
+    const std::vector<double> half(8, 0.5);
+    EXPECT_THAT(weightsWithHeld(lattice, half), ElementsAre(.5, 0, .5, .5, .5, .5, 0, .5));
+    const auto moved = pose::move(lattice.positions, {1, 2, 3}, weightsWithHeld(lattice));
+    for (std::size_t v = 0; v < 8; ++v)
+        EXPECT_EQ(moved[v] == lattice.positions[v], v == 1 || v == 6) << v;
+    EXPECT_REFUSED(Error, "there are 3 weights",
+                   weightsWithHeld(lattice, std::vector<double>(3, 1.0)));
+}
+
+TEST(Held, VerticesAreFrozenInFits) {
+    Lattice lattice = box({{1, 1, 1}});
+    const Index some[] = {1, 6}, frozen[] = {7, 6, 0};
+    setHeldVertices(lattice, some);
+    EXPECT_THAT(frozenWithHeld(lattice), ElementsAre(1, 6));
+    EXPECT_THAT(frozenWithHeld(lattice, frozen), ElementsAre(0, 1, 6, 7));
+}
+
+}  // namespace
+}  // namespace espalier::shapes
