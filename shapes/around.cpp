@@ -20,6 +20,8 @@
 namespace espalier::shapes {
 namespace {
 
+constexpr char kAxisNames[] = {'x', 'y', 'z'};
+
 void check(std::span<const Point3> points, const AroundOptions& options) {
     if (points.empty()) throw Error("there are no points");
     requireFinite("points", points);
@@ -33,6 +35,58 @@ void check(std::span<const Point3> points, const AroundOptions& options) {
     requireFinite("around", "margin", options.margin);
     if (options.margin < 0)
         throw ArgumentError("around", "margin", textOf(options.margin), "a fraction of 0 or more");
+    if (!options.symmetry) return;
+    const auto& [axis, at] = *options.symmetry;
+    if (axis < 0 || axis > 2)
+        throw ArgumentError("around", "symmetry", std::to_string(axis), "axis 0, 1 or 2");
+    if (at) requireFinite("around", "symmetry", *at);
+    if (options.oriented)
+        throw ArgumentError("around", "symmetry", std::string(1, kAxisNames[axis]),
+                            "a box along the axes, without the option ", {"oriented", ""});
+}
+
+/// Where the points are, seen from the plane of symmetry.
+enum class SideOfPlane { Both, Above, Below };
+
+/// Returns the coordinate of the plane of symmetry.
+/// \throws ArgumentError if the points do not reach to it
+double planeOf(const SymmetryPlane& symmetry, const BoundingBox& bounds) {
+    const double at = symmetry.at.value_or(0);
+    const auto axis = std::size_t(symmetry.axis);
+    const double near = kAroundTolerance * bounds.diagonal();
+    if (at < bounds.min[axis] - near || at > bounds.max[axis] + near)
+        throw ArgumentError(
+            "around", "symmetry", concat(kAxisNames[axis], " = ", textOf(at)),
+            concat("a plane that the model reaches to, from ", kAxisNames[axis], " = ",
+                   textOf(bounds.min[axis]), " to ", textOf(bounds.max[axis])));
+    return at;
+}
+
+SideOfPlane sideOfPlane(const SymmetryPlane& symmetry, const BoundingBox& bounds) {
+    const double at = planeOf(symmetry, bounds), near = kAroundTolerance * bounds.diagonal();
+    const auto axis = std::size_t(symmetry.axis);
+    if (bounds.min[axis] >= at - near) return SideOfPlane::Above;
+    return bounds.max[axis] <= at + near ? SideOfPlane::Below : SideOfPlane::Both;
+}
+
+/// Puts the vertices of a box exactly into the plane of symmetry, and in a symmetric box the others
+/// to mirrored places.
+void makeSymmetric(Lattice& lattice, const std::array<int, 3>& cells, std::size_t axis, double at,
+                   SideOfPlane side) {
+    std::size_t stride = 1;
+    for (std::size_t a = 0; a < axis; ++a) stride *= std::size_t(cells[a]) + 1;
+    const auto count = std::size_t(cells[axis]);
+    for (std::size_t v = 0; v < lattice.positions.size(); ++v) {
+        const std::size_t along = v / stride % (count + 1);
+        double& coordinate = lattice.positions[v][axis];
+        const bool isIn = side == SideOfPlane::Both    ? 2 * along == count
+                          : side == SideOfPlane::Above ? along == 0
+                                                       : along == count;
+        if (isIn)
+            coordinate = at;
+        else if (side == SideOfPlane::Both && 2 * along > count)
+            coordinate = 2 * at - lattice.positions[v - (2 * along - count) * stride][axis];
+    }
 }
 
 /// Returns the numbers of cells of a box whose sides have the lengths `size`.
@@ -58,6 +112,30 @@ std::array<int, 3> countsOf(const Point3& size, const AroundOptions& options) {
 
 namespace {
 
+/// Returns the box with the plane of symmetry as a side, or in the middle.
+/// \param tight the box around the points, without a margin
+BoundingBox symmetricBounds(const SymmetryPlane& symmetry, const BoundingBox& tight,
+                            BoundingBox bounds) {
+    const double at = planeOf(symmetry, tight);
+    const auto axis = std::size_t(symmetry.axis);
+    const SideOfPlane side = sideOfPlane(symmetry, tight);
+    const double farthest = std::max(bounds.max[axis] - at, at - bounds.min[axis]);
+    bounds.min[axis] = side == SideOfPlane::Above ? at : at - farthest;
+    bounds.max[axis] = side == SideOfPlane::Below ? at : at + farthest;
+    return bounds;
+}
+
+Lattice symmetricBox(const SymmetryPlane& symmetry, const BoundingBox& tight,
+                     const BoundingBox& bounds, std::array<int, 3> counts) {
+    const auto axis = std::size_t(symmetry.axis);
+    const SideOfPlane side = sideOfPlane(symmetry, tight);
+    // A layer of vertices is in the middle.
+    if (side == SideOfPlane::Both) counts[axis] += counts[axis] % 2;
+    Lattice result = box({counts, bounds.min, bounds.max});
+    makeSymmetric(result, counts, axis, planeOf(symmetry, tight), side);
+    return result;
+}
+
 /// Makes the box, whether or not rounding leaves points outside.
 Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) {
     Axes axes = kCoordinateAxes;
@@ -73,9 +151,12 @@ Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) 
         bounds = boxAlong(axes, points);
     }
     const double margin = options.margin * bounds.diagonal();
+    const BoundingBox tight = bounds;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         bounds.min[axis] -= margin;
         bounds.max[axis] += margin;
+        if (options.symmetry && std::size_t(options.symmetry->axis) == axis)
+            bounds = symmetricBounds(*options.symmetry, tight, bounds);
         if (!std::isfinite(bounds.size()[axis]))
             throw ArgumentError("around", "margin", textOf(options.margin),
                                 "a fraction for which the box is finite");
@@ -84,7 +165,9 @@ Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) 
                                 "a number above 0, since the points lie in a plane and the box "
                                 "would be flat");
     }
-    const Lattice result = box({countsOf(bounds.size(), options), bounds.min, bounds.max});
+    const std::array<int, 3> counts = countsOf(bounds.size(), options);
+    if (options.symmetry) return symmetricBox(*options.symmetry, tight, bounds, counts);
+    const Lattice result = box({counts, bounds.min, bounds.max});
     if (!options.oriented) return result;
     // The columns of the matrix are the axes: coordinates along the axes become positions.
     Affine placement;

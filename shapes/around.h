@@ -6,12 +6,19 @@
 #include <espalier/shapes/lattice.h>
 
 #include <array>
+#include <optional>
 #include <span>
 
 /// \file
 /// Makes a box lattice around the points of a model.
 
 namespace espalier::shapes {
+
+/// A plane across a coordinate axis.
+struct SymmetryPlane {
+    int axis = 0;                   ///< 0 to 2
+    std::optional<double> at = {};  ///< its coordinate; by default 0, if the points reach to there
+};
 
 /// The number of cells comes from the first of `cells`, `cellSize` and `cellsAlongLongest` that is
 /// set.
@@ -36,6 +43,14 @@ struct AroundOptions {
     /// above the smallest of 40,000 orientations. Its axes are named x, y and z by the coordinate
     /// axes that they are nearest to.
     bool oriented = false;
+
+    /// A plane of symmetry, in which faces of the lattice lie exactly. If all points are on one
+    /// side of it, it is a side of the box, without a margin. Else the box is symmetric about it,
+    /// with an even number of cells across. Not with `oriented`.
+    ///
+    /// A pose that moves the vertices in the plane within the plane, and in a symmetric box the
+    /// others symmetrically, keeps points of the plane in it.
+    std::optional<SymmetryPlane> symmetry = {};
 };
 
 /// A point this far outside the box, as a fraction of its diagonal, counts as inside, as binding
@@ -50,9 +65,10 @@ inline constexpr double kAroundTolerance = 1e-6;
 ///
 /// \param margin gets the margin of the box, if it is not null: options.margin, or a wider one
 /// \throws ArgumentError for an option that is out of range, also for a margin of 0 around points
-///         in a plane; Error if there are no points, a point is not finite, or all points are at
-///         one place, or some stay outside ten wider boxes; far::TopologyError if there would be
-///         too many cells for an Index
+///         in a plane, and for a plane of symmetry that the points do not reach to; Error if there
+///         are no points, a point is not finite, or all points are at one place, or some stay
+///         outside ten wider boxes; far::TopologyError if there would be too many cells for an
+///         Index
 /// \cost O(points); O(points · log points) if `oriented`
 ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {},
                             double* margin = nullptr);

@@ -4,6 +4,7 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lattice_checks.h"
@@ -109,6 +110,52 @@ TEST(Around, RefusesPointsWithoutABox) {
     EXPECT_REFUSED(Error, "lie in a plane", around(square, {.margin = 0}));
     EXPECT_REFUSED(Error, "points[1]", around(std::vector<Point3>{{0, 0, 0}, {0, kNan, 0}}));
     EXPECT_REFUSED(Error, "infinite", around(std::vector<Point3>{{-1e308, 0, 0}, {1e308, 0, 0}}));
+}
+
+/// Returns the different coordinates of a lattice along an axis, ascending.
+std::vector<double> coordinates(const Lattice& lattice, std::size_t axis) {
+    std::vector<double> values;
+    for (const Point3& position : lattice.positions) values.push_back(position[axis]);
+    std::ranges::sort(values);
+    const auto end = std::ranges::unique(values);
+    values.erase(end.begin(), end.end());
+    return values;
+}
+
+TEST(Around, PutsASideIntoThePlaneOfSymmetry) {
+    const double margin = 0.05 * std::sqrt(21);
+    const Lattice half = around(slab(), {.cells = {3, 3, 3}, .symmetry = SymmetryPlane{1, {}}});
+    const auto y = coordinates(half, 1);
+    ASSERT_EQ(y.size(), 4u);
+    EXPECT_EQ(y.front(), 0);
+    EXPECT_NEAR(y.back(), 2 + margin, kRounding);
+    EXPECT_LT(coordinates(half, 0).front(), 0);
+    // The points are below the plane z = 1.
+    const Lattice below = around(slab(), {.cells = {3, 3, 3}, .symmetry = SymmetryPlane{2, 1.0}});
+    EXPECT_EQ(coordinates(below, 2).back(), 1);
+    EXPECT_NEAR(coordinates(below, 2).front(), -margin, kRounding);
+}
+
+TEST(Around, IsSymmetricAboutAPlaneInTheMiddle) {
+    // From −1.1 to 0.9 in y, in three cells, which become four.
+    std::vector<Point3> points = slab();
+    for (Point3& point : points) point[1] -= 1.1;
+    const auto y =
+        coordinates(around(points, {.cells = {2, 3, 2}, .symmetry = SymmetryPlane{1, {}}}), 1);
+    ASSERT_EQ(y.size(), 5u);
+    EXPECT_EQ(y[2], 0);
+    EXPECT_EQ(y[1], -y[3]);
+    EXPECT_EQ(y[0], -y[4]);
+    EXPECT_NEAR(y[4], 1.1 + 0.05 * std::sqrt(21), kRounding);
+}
+
+TEST(Around, RefusesPlanesThatThePointsDoNotReach) {
+    EXPECT_REFUSED(ArgumentError, "a plane that the model reaches to, from y = 0 to 2",
+                   around(slab(), {.symmetry = SymmetryPlane{1, 3.0}}));
+    EXPECT_REFUSED(ArgumentError, "axis 0, 1 or 2",
+                   around(slab(), {.symmetry = SymmetryPlane{3, {}}}));
+    EXPECT_REFUSED(ArgumentError, "a box along the axes",
+                   around(slab(), {.oriented = true, .symmetry = SymmetryPlane{1, {}}}));
 }
 
 }  // namespace
