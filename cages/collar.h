@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/continuity.h>
+#include <espalier/shapes/lattice.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// \file
+/// Adds layers of cells around a lattice, in which its motion fades out. A mesh that reaches beyond
+/// the lattice then has no jump at the boundary of the lattice.
+namespace espalier::cages {
+
+/// The directions −x, +x, −y, +y, −z, +z, and their words.
+inline constexpr std::array<const char*, 6> kSideWords = {"-x", "+x", "-y", "+y", "-z", "+z"};
+
+/// Returns, for each of kSideWords, whether a word names it. An axis without a sign, such as "z",
+/// names both of its directions.
+/// \throws ArgumentError of the field "open" for another word
+ESPALIER_API std::array<bool, 6> sidesOf(const std::string& word);
+
+/// Returns, for each of kSideWords, whether the side of the box around a lattice is in the plane
+/// across an axis at a coordinate, exactly: the sides to leave open at a plane of symmetry.
+/// \param axis 0 to 2
+ESPALIER_API std::array<bool, 6> sidesInPlane(const Lattice& lattice, int axis, double at);
+
+/// Options of collar(). Either `reach` or `until` is set.
+struct CollarOptions {
+    int layers = 3;  ///< layers of cells, 1 to 100
+    double reach =
+        0;  ///< thickness of the collar, above 0, in the units of the lattice; 0: not set
+
+    /// Two opposite corners of a box with sides along the axes, around the lattice: the collar
+    /// reaches to its sides. Only for a box lattice whose sides face the directions of the axes.
+    std::optional<std::array<Point3, 2>> until = {};
+
+    /// Sides without a collar, in the order of kSideWords. Of a box lattice, the side that faces
+    /// the direction. Of another lattice, its end there: the boundary faces whose vertices all are
+    /// within 1 % of the extent from the farthest vertex. The collar around such a side continues
+    /// its plane.
+    std::array<bool, 6> open = {};
+
+    /// Number of outer layers of vertices that are held. 0: two, or one if there is one layer of
+    /// cells. More than `layers` are not held. Places in a Bézier or B-spline basis need three for
+    /// C².
+    int held = 0;
+};
+
+/// A lattice with a collar, and facts about it.
+struct Collar {
+    Lattice lattice;
+    std::vector<Index> held;  ///< the vertices that the collar holds, ascending
+
+    /// How a motion of the other vertices ends at the outer boundary, under subdivision: C0 if one
+    /// layer of vertices is held, else C2.
+    embed::Continuity continuity = embed::Continuity::C0;
+
+    /// True: the lattice is a box, and so is the result.
+    bool isGrid = false;
+
+    /// The smallest and the largest distance of an outer vertex from the vertex of the lattice that
+    /// it is over. In a box lattice, vertices at edges and corners do not count.
+    std::array<double, 2> reach = {};
+};
+
+/// Adds layers of cells around a lattice. Vertices and cells of the lattice keep their numbers,
+/// positions, attributes and marks; a pose of the lattice is a pose of the first vertices of the
+/// result. A new vertex has the attributes and integers of the vertex that it is over.
+///
+/// The outer vertices are held (shapes/held.h): poses and fits keep them in place. Let h be the
+/// distance of a point from the outer boundary, in the parameter across the layers. If two layers
+/// of vertices are held, the displacement of the point is O(h³) where the lattice is regular: the
+/// cubic B-spline has there the phantom layer 2 d₀ − d₁, so that its value is d₀, its slope d₁ − d₀
+/// and its second derivative 0. So position, slope and second derivative vanish if and only if d₀ =
+/// d₁ = 0. At irregular vertices of the boundary, where n edges meet, displacements decrease from
+/// level to level by at most (3/4 + 3/2 / (n + 2)) / 8 ≤ 0.132 < 1/4, so that they are o(h²).
+///
+/// A box lattice becomes a larger box, with blocks of cells at its edges and corners, so that it
+/// stays one tricubic spline. Where its faces are parallel to the axes, so are the new ones. Around
+/// other lattices, and around a box that no larger box surrounds without folds, each boundary face
+/// gets one prism per layer. Three cells then meet at a convex edge of the lattice, and five at a
+/// concave one, so that the limit is C¹ there only, instead of C². The faces are moved outwards
+/// along the directions that all faces around a vertex see best, less far where other parts of the
+/// lattice face them; an optimization of the shapes of the cells removes folds (untangle.h).
+///
+/// The layers grow by a constant factor, from the thickness of the cells at the boundary; if the
+/// reach is too small for growth, they are equally thick.
+///
+/// The result is proved: cells of level 1 and parts of the limit of level 2 (solve::ValidityCheck)
+/// are free of folds, except cells of the lattice that were bad before; and no vertex of level 1 on
+/// the outer boundary is in another cell.
+///
+/// \throws ArgumentError for an option out of range, and for `until` around a lattice that is not
+///         such a box or not inside; Error if all sides are open; if an open side is not there; if
+///         the boundary is not a manifold, naming a vertex; and if cells of the collar would fold
+///         or overlap, naming a vertex of the lattice near the first one
+/// \cost O(n log n) in the cells for the collar of a box; O(boundary vertices²) for others
+ESPALIER_API Collar collar(const Lattice& lattice, const CollarOptions& options);
+
+}  // namespace espalier::cages
