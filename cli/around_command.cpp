@@ -7,12 +7,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 #include <vector>
 
+#include "collar_options.h"
 #include "commands.h"
 #include "files.h"
 #include "job.h"
 #include "options.h"
+#include "pose_selection.h"
 
 namespace espalier::cli {
 namespace {
@@ -22,6 +26,8 @@ struct AroundCommandOptions {
     std::vector<std::string> models;
     std::vector<int> cells;
     std::vector<double> part;  ///< two corners of a box; empty for whole models
+    std::string symmetry;
+    CollarCommandOptions collar;
     shapes::AroundOptions shape;
     std::string output;
 };
@@ -49,6 +55,8 @@ std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stag
 /// \throws CLI::ValidationError
 shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
     shapes::AroundOptions shape = options.shape;
+    if (const auto plane = mirrorPlaneOf(options.symmetry))
+        shape.symmetry = {plane->axis, plane->place};
     for (const int count : options.cells)
         if (count < 1)
             throw CLI::ValidationError("--cells", fmt::format("expected 1 or more, got {}", count));
@@ -61,21 +69,26 @@ shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
 
 void runAround(const AroundCommandOptions& options) {
     const shapes::AroundOptions shape = shapeOf(options);
-    Job job(options.common, {{"MODEL", options.models}});
+    Job job(options.common,
+            {{"MODEL", options.models}, {"--until-model", options.collar.untilModel}});
     job.writesLattice(options.output);
     Stages& stages = job.stages();
     const std::vector<Point3> points = readPoints(options, stages);
     double margin = shape.margin;
-    const Lattice lattice = stages.run("building", [&] {
-        return ofFile(options.models.front(),
-                      [&] { return shapes::around(points, shape, &margin); });
+    const auto [lattice, collar] = ofFile(options.models.front(), [&] {
+        Lattice box =
+            stages.run("building", [&] { return shapes::around(points, shape, &margin); });
+        std::array<bool, 6> open = {};
+        if (shape.symmetry)
+            open = cages::sidesInPlane(box, shape.symmetry->axis, shape.symmetry->at.value_or(0));
+        return withCollar(std::move(box), options.collar, stages, open);
     });
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (options.common.quiet) return;
     fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
                lattice.complex.count(0), lattice.complex.count(3), points.size());
     if (margin != shape.margin) fmt::print(", with the margin widened to {:.2g}", margin);
-    fmt::print("\n");
+    fmt::print("{}\n", collar);
 }
 
 }  // namespace
@@ -108,6 +121,21 @@ void addAroundCommand(CLI::App& shape) {
     addNumbers(command, "--around-part", options.part, "X0 Y0 Z0 X1 Y1 Z1",
                "Use only the points in the box with these two opposite corners")
         ->expected(6);
+    command
+        .add_option("--symmetry", options.symmetry,
+                    "Put faces of the box exactly into the plane of symmetry across an axis (x, y "
+                    "or z), or into a plane such as y=0.5: a side of the box if the model is on "
+                    "one side of it, else the middle. A collar leaves such a side open")
+        ->check(CLI::Validator(
+            [](std::string& word) {
+                return mirrorPlaneOf(word)
+                           ? std::string()
+                           : "expected x, y or z, or a plane such as x=0.5, got " + shown(word);
+            },
+            ""))
+        ->type_name("AXIS|AXIS=PLACE")
+        ->excludes(command.get_option("--oriented"));
+    addCollarOptions(command, options.collar, options.common, "--collar", false);
     addOutputOption(command, options.output,
                     "The lattice: " + filesToWrite(io::FileContent::Lattice))
         ->required();

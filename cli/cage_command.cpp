@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "collar_options.h"
 #include "commands.h"
 #include "files.h"
 #include "job.h"
@@ -20,11 +22,13 @@ struct CageCommandOptions {
     CommonOptions common;
     std::vector<std::string> models;
     cages::CageOptions cage;
+    CollarCommandOptions collar;
     std::string output;
 };
 
 void runCage(const CageCommandOptions& options) {
-    Job job(options.common, {{"MODEL", options.models}});
+    Job job(options.common,
+            {{"MODEL", options.models}, {"--until-model", options.collar.untilModel}});
     job.writesLattice(options.output);
     Stages& stages = job.stages();
     std::vector<Point3> points;
@@ -42,16 +46,18 @@ void runCage(const CageCommandOptions& options) {
         points.insert(points.end(), model->positions().begin(), model->positions().end());
     }
     cages::ModelSymmetry symmetry;
-    const Lattice lattice = stages.run("building", [&] {
-        return ofFile(options.models.front(), [&] {
+    const auto [lattice, collar] = ofFile(options.models.front(), [&] {
+        Lattice cage = stages.run("building", [&] {
             return cages::cage({points, faces.corners, faces.ends}, options.cage, &symmetry);
         });
+        return withCollar(std::move(cage), options.collar, stages);
     });
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (options.common.quiet) return;
     const std::string text = cages::symmetryText(symmetry);
-    fmt::print("{}: {} vertices, {} cells{}{}\n", printable(options.output),
-               lattice.complex.count(0), lattice.complex.count(3), text.empty() ? "" : "; ", text);
+    fmt::print("{}: {} vertices, {} cells{}{}{}\n", printable(options.output),
+               lattice.complex.count(0), lattice.complex.count(3), text.empty() ? "" : "; ", text,
+               collar);
 }
 
 }  // namespace
@@ -100,6 +106,7 @@ void addCageCommand(CLI::App& shape) {
                     "symmetric, as a fraction of the diagonal: 0 to 1")
         ->check(inRange(0, 1))
         ->capture_default_str();
+    addCollarOptions(command, options.collar, options.common, "--collar", false);
     addOutputOption(command, options.output,
                     "The lattice: " + filesToWrite(io::FileContent::Lattice))
         ->required();

@@ -41,6 +41,7 @@ void addInfoCommand(CLI::App& program);
 void addShapeCommand(CLI::App& program);
 void addAroundCommand(CLI::App& shape);  ///< a subcommand of shape
 void addCageCommand(CLI::App& shape);    ///< a subcommand of shape
+void addCollarCommand(CLI::App& shape);  ///< a subcommand of shape
 void addPoseCommand(CLI::App& program);
 void addRefineCommand(CLI::App& program);
 void addStencilsCommand(CLI::App& program);

@@ -8,6 +8,7 @@
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/targets.h>
+#include <espalier/shapes/held.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/rigid_pull.h>
 #include <espalier/solve/validity.h>
@@ -42,6 +43,7 @@ struct FitCommandOptions : BindOptions {
     std::vector<const CLI::Option*> ofLeastMovement;  ///< options of solve::fitLattice() alone
     std::optional<double> reach;
     bool noInverted = false;
+    bool movesHeld = false;
     HoldOptions hold;
     std::optional<solve::Smoothing> smoothing;
     solve::FitOptions fit;
@@ -308,20 +310,29 @@ Offset countAmong(std::vector<Index> vertices, const Lattice& lattice) {
         vertices, [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); });
 }
 
-/// Returns the vertices of --freeze and --hold.
+/// Returns the vertices of --freeze and --hold, and the held ones of the lattice.
 /// \throws Error if these are all vertices of the lattice
 std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::vector<Index>& held,
                                   const Lattice& lattice) {
     const auto& named = options.fit.frozen;
     std::vector<Index> frozen = named;
     frozen.insert(frozen.end(), held.begin(), held.end());
+    if (!options.movesHeld) frozen = shapes::frozenWithHeld(lattice, frozen);
     const Offset all = std::ssize(lattice.positions);
     if (countAmong(frozen, lattice) < all) return frozen;
     throw Error(fmt::format("{} all {} vertices of {}: no vertex is left to move",
                             countAmong(held, lattice) == all    ? "--hold keeps"
                             : countAmong(named, lattice) == all ? "--freeze keeps"
-                                                                : "--hold and --freeze keep",
+                            : options.movesHeld || shapes::heldVertices(lattice).empty()
+                                ? "--hold and --freeze keep"
+                                : "--hold, --freeze and the lattice, which holds vertices, keep",
                             all, printable(options.rest)));
+}
+
+/// Returns the number of vertices that --hold and the lattice keep.
+std::size_t keptByBoxOrLattice(const FitCommandOptions& options, const std::vector<Index>& held,
+                               const Lattice& lattice) {
+    return options.movesHeld ? held.size() : shapes::frozenWithHeld(lattice, held).size();
 }
 
 /// Returns the largest distance of a point from its target before the fit.
@@ -362,7 +373,7 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
     if (leftOut > 0)
         fmt::print("targets left out      {}: points outside the lattice that are to stay\n",
                    leftOut);
-    if (options.hold.box) fmt::print("vertices held         {}\n", heldCount);
+    if (options.hold.box || heldCount > 0) fmt::print("vertices held         {}\n", heldCount);
     fmt::print("largest distance      {:.3g} from a target\n", fit.largestMiss);
     fmt::print("root mean square      {:.3g} of these distances\n", fit.rmsMiss);
     fmt::print("largest displacement  {:.3g} of a lattice vertex\n", largest);
@@ -435,8 +446,8 @@ void runFit(const FitCommandOptions& options) {
             lattice.positions[v][c] += result.fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
-        printFit(options, pointTargets, readCount - pointTargets.targets.size(), held.size(),
-                 result);
+        printFit(options, pointTargets, readCount - pointTargets.targets.size(),
+                 keptByBoxOrLattice(options, held, lattice), result);
     warnOfPointsOutside(rows.binding, options.common);
 }
 
@@ -514,6 +525,7 @@ void addFitCommand(CLI::App& program) {
         .add_option("--freeze", options.fit.frozen,
                     "Numbers of lattice vertices that must not move")
         ->delimiter(',');
+    addMoveHeldOption(command, options.movesHeld);
     addHoldOptions(command, options.hold, options);
     addChoice<solve::Undetermined>(
         command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,

@@ -87,6 +87,12 @@ void addStrictOption(CLI::App& command, CommonOptions& options) {
                      "standard error names the part, which is kept as it is");
 }
 
+void addMoveHeldOption(CLI::App& command, bool& movesHeld) {
+    command.add_flag("--move-held", movesHeld,
+                     "Move the vertices, too, that the lattice holds in place, such as the outer "
+                     "vertices of a collar");
+}
+
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name) {
     const CLI::Validator isNotDash(

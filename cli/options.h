@@ -109,6 +109,9 @@ void addStrictOption(CLI::App& command, CommonOptions& options);
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name = "-o,--output");
 
+/// Adds --move-held, for commands that move a lattice.
+void addMoveHeldOption(CLI::App& command, bool& movesHeld);
+
 /// Returns the value of a word that is a finite number; nothing for any other word.
 std::optional<double> numberOf(const std::string& word);
 

@@ -2,6 +2,7 @@
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 #include <fmt/format.h>
@@ -47,6 +48,7 @@ struct PoseOptions {
     std::string output;
     std::vector<Step> steps;
     std::vector<std::string> displacements;  ///< the files of --displacements
+    bool movesHeld = false;
 };
 
 /// Returns a check that a word names a direction.
@@ -125,6 +127,12 @@ void checkModifiers(std::span<const Step> steps) {
     if (!unused.empty()) refuse(*unused.front(), ": no operation after it uses it");
 }
 
+/// Returns the end of the line on the result: "; 98 are held".
+std::string heldText(const Lattice& lattice, bool movesHeld) {
+    const std::size_t held = movesHeld ? 0 : shapes::heldVertices(lattice).size();
+    return held == 0 ? "" : fmt::format("; {} {} held", held, held == 1 ? "is" : "are");
+}
+
 void runPose(const PoseOptions& options) {
     checkModifiers(options.steps);
     Job job(options.common,
@@ -132,7 +140,7 @@ void runPose(const PoseOptions& options) {
     job.writesLattice(options.output);
     Stages& stages = job.stages();
     Lattice lattice = readLattice(options.lattice, stages);
-    Posing posing(lattice);
+    Posing posing(lattice, options.movesHeld);
     stages.run("posing", [&] {
         for (const Step& step : options.steps) {
             try {
@@ -157,8 +165,8 @@ void runPose(const PoseOptions& options) {
     if (!options.common.quiet)
         for (const std::string& line : posing.found()) fmt::print("{}\n", line);
     if (!options.common.quiet)
-        fmt::print("{}: {} of {} vertices moved\n", printable(options.output), moved,
-                   lattice.positions.size());
+        fmt::print("{}: {} of {} vertices moved{}\n", printable(options.output), moved,
+                   lattice.positions.size(), heldText(lattice, options.movesHeld));
 }
 
 /// Adds an option that may be given several times. run(posing, values) is its effect.
@@ -389,6 +397,7 @@ void addPoseCommand(CLI::App& program) {
         ->required();
     addSelections(command, options.steps);
     addOperations(command, options);
+    addMoveHeldOption(command, options.movesHeld);
     addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
         ->required();
     addRunOptions(command, options.common);

@@ -4,9 +4,11 @@
 #include <espalier/base/printable.h>
 #include <espalier/io/displacements.h>
 #include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/limb.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "options.h"
@@ -132,7 +134,16 @@ Point3 Posing::pivotPoint() const {
 }
 
 std::vector<double> Posing::weights() const {
-    return selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
+    const auto selected =
+        selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
+    if (movesHeld_) return selected;
+    auto weights = shapes::weightsWithHeld(lattice_, selected);
+    if (!weights.empty() && std::ranges::none_of(weights, [](double w) { return w > 0; }))
+        throw CLI::ValidationError(
+            kSelect,
+            "all selected vertices are held, as the lattice says; select others, or give "
+            "--move-held");
+    return weights;
 }
 
 }  // namespace espalier::cli

@@ -21,7 +21,9 @@ namespace espalier::cli {
 class Posing {
 public:
     /// \param lattice must outlive this
-    explicit Posing(const Lattice& lattice) : lattice_(lattice), positions_(lattice.positions) {}
+    /// \param movesHeld true: held vertices (shapes/held.h) move, too
+    explicit Posing(const Lattice& lattice, bool movesHeld = false)
+        : lattice_(lattice), movesHeld_(movesHeld), positions_(lattice.positions) {}
 
     const std::vector<Point3>& positions() const { return positions_; }
 
@@ -76,11 +78,13 @@ private:
     /// Returns the place of the pivot in the pose so far.
     Point3 pivotPoint() const;
 
-    /// Returns the weight of each vertex; no weights if all vertices are selected. Selections use
-    /// the positions in the file: operations before them do not matter.
+    /// Returns the weight of each vertex, 0 for held ones; no weights if all vertices are selected
+    /// and none is held. Selections use the positions in the file: operations before them do not
+    /// matter. \throws CLI::ValidationError if all weights are 0 because the vertices are held
     std::vector<double> weights() const;
 
     const Lattice& lattice_;
+    bool movesHeld_ = false;
     std::vector<Point3> positions_;
     std::optional<Selection> selection_;  ///< none: all vertices
     shapes::Falloff falloff_;

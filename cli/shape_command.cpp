@@ -276,6 +276,7 @@ void addShapeCommand(CLI::App& program) {
         shapes::box);
     addAroundCommand(shape);
     addCageCommand(shape);
+    addCollarCommand(shape);
     addRoundShapes(shape);
     addJointedShapes(shape);
     addSolids(shape);

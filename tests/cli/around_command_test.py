@@ -42,6 +42,27 @@ class Around(CliTest):
             self.assertAlmostEqual(after[0], before[0] + 1, delta=1e-9)
             self.assertAlmostEqual(after[1], before[1], delta=1e-9)
 
+    def test_symmetry_puts_a_side_or_the_middle_into_the_plane(self):
+        self.write_corners((0, 0, 0), (4, 2, 1))
+        self.around("model.obj", "--symmetry", "y")
+        low, high = self.extents()[:3], self.extents()[3:]
+        self.assertEqual(low[1], 0)
+        self.assertAlmostEqual(high[1], 2 + 0.05 * math.sqrt(21))
+        self.around("model.obj", "--symmetry", "z=0.5", "--cells", "1,1,1")
+        self.assertIn(0.5, [p[2] for p in self.read_ovm_positions("rest.ovm")])
+        self.assertIn("--symmetry: expected a plane that the model reaches to",
+                      self.error_of("shape", "around", "model.obj", "--symmetry", "y=3", "-o", "x.ovm", code=2))
+        self.assertIn("expected x, y or z, or a plane",
+                      self.error_of("shape", "around", "model.obj", "--symmetry", "up", "-o", "x.ovm", code=2))
+
+    def test_a_collar_leaves_the_plane_of_symmetry_open(self):
+        self.write_corners((0, 0, 0), (4, 2, 1))
+        text = self.around("model.obj", "--symmetry", "y", "--collar", 2, "--reach", 3)
+        self.assertIn("a collar of 2 layers and", text)
+        self.assertIn("reaches 3 away, c2", text)
+        self.assertEqual(self.extents()[1], 0)
+        self.assertGreater(self.extents()[4], 5)
+
     def test_the_box_has_a_margin_of_5_percent_of_the_diagonal(self):
         self.write_corners((0, 0, 0), (4, 2, 1))
         self.assertEqual(self.around("model.obj"),
