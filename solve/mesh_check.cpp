@@ -8,7 +8,7 @@ namespace espalier::solve {
 namespace {
 
 /// Returns the points at a share of the way from rest to a pose.
-std::vector<Point3> between(std::span<const Point3> rest, std::span<const Point3> pose,
+std::vector<Point3> atShare(std::span<const Point3> rest, std::span<const Point3> pose,
                             double share) {
     std::vector<Point3> points(rest.begin(), rest.end());
     for (std::size_t point = 0; point < points.size(); ++point)
@@ -71,7 +71,7 @@ std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
 double MeshCheck::solverStep(std::span<const Point3> pose, double valid) const {
     constexpr double kPrecision = 1e-3;
     const auto isAccepted = [&](double share) {
-        return solverErrors(qualityAt(stored(between(rest_, pose, share)))) == 0;
+        return solverErrors(qualityAt(stored(atShare(rest_, pose, share)))) == 0;
     };
     double accepted = valid > 0 && isAccepted(valid) ? valid : 0, refused = 1;
     while (refused - accepted > kPrecision) {
@@ -98,7 +98,7 @@ MeshVerdict MeshCheck::shorten(std::vector<Point3>& points, Criterion criterion)
     const std::vector<Point3> pose = stored(points);
     const auto go = [&](double share) {
         verdict.written = share;
-        points = share == 1 ? pose : stored(between(rest_, pose, share));
+        points = share == 1 ? pose : stored(atShare(rest_, pose, share));
         verdict.quality = share == 1 ? verdict.whole : qualityAt(points);
     };
     if (criterion == Criterion::Solver) {

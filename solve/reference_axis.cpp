@@ -94,10 +94,10 @@ ReferenceAxis::ReferenceAxis(std::span<const Point3> positions, const AxisOption
         throw ArgumentError("", "nodes", std::to_string(nodes_.size()), "two or more");
     requireNodes(nodes_);
     requireVector("direction", options.direction);
-    constexpr double kRounding = 1e-9;
+    constexpr double kParallel = 1e-9;
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = 0; b <= a; ++b)
-            if (!(std::abs(dot(frame_[a], frame_[b]) - (a == b ? 1 : 0)) < kRounding))
+            if (!(std::abs(dot(frame_[a], frame_[b]) - (a == b ? 1 : 0)) < kParallel))
                 throw ArgumentError("", concat("frame[", a, "]"), textOf(frame_[a]),
                                     "three unit vectors at right angles");
     requirePositions(vertices_);
