@@ -31,7 +31,7 @@ using LatticeReader = Lattice (*)(const std::filesystem::path& path, std::string
 /// content, or if Espalier does not read or write it.
 struct Format {
     /// In lower case: ".obj". Most formats have one.
-    std::array<std::string_view, 3> extensions = {};
+    std::array<std::string_view, 8> extensions = {};
 
     /// The name of the format in lists, if it has no extension: "an OpenFOAM case".
     std::string_view words = {};
@@ -112,6 +112,9 @@ extern const Format kBoundModelFormat, kTargetsFormat, kCommaSeparatedFormat;
 /// can be a case of OpenFOAM, and so a lattice.)
 const Format* findFormat(const std::filesystem::path& path, FileContent content,
                          FileUse use = FileUse::Read);
+
+/// Returns true if a path names any format.
+bool namesFormat(const std::filesystem::path& path);
 
 /// Adds the format of an optional component. To be called before other threads use files.
 /// \param format must live for ever

@@ -73,6 +73,11 @@ const Format* findFormat(const std::filesystem::path& path, FileContent content,
     return nullptr;
 }
 
+bool namesFormat(const std::filesystem::path& path) {
+    return std::ranges::any_of(formats(),
+                               [&](const Format* format) { return isPathOf(*format, path); });
+}
+
 void addFormat(const Format& format) {
     if (std::ranges::count(formats(), &format) == 0) formats().push_back(&format);
 }

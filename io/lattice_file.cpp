@@ -122,8 +122,8 @@ Lattice readBytes(LatticeReader read, const Path& path, std::string_view bytes, 
 }  // namespace
 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
-    const Format& format = formatOf(path, FileUse::Read);
     const Path file = modelFile(path);
+    const Format& format = formatOf(path, FileUse::Read);
     return readBytes(format.readLattice, file, readFile(file), notes);
 }
 
@@ -140,8 +140,8 @@ void checkLatticeTarget(const Path& path) {
 }
 
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
-    const LatticeReader read = refinableReaderOf(path);
     const Path file = modelFile(path);
+    const LatticeReader read = refinableReaderOf(path);
     return readBytes(read, file, readFile(file), notes);
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "files/other_content.h"
@@ -82,6 +83,9 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 }  // namespace
 
 std::filesystem::path modelFile(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!namesFormat(path) && !std::filesystem::exists(path, ignored))
+        throw FileError(path, "no such file or folder");
     return foamPointsOf(path);
 }
 

@@ -418,7 +418,9 @@ ESPALIER_API void readAppearance(const Model& model, ModelSurface& surface);
 
 /// Returns the file that a path of a model means: the points of OpenFOAM for a folder
 /// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.
-/// \throws FileError if a folder has no mesh of OpenFOAM
+/// \throws FileError if a folder has no mesh of OpenFOAM, or if there is no file or folder of a
+/// name
+///         that is of no known format, and so may have been meant as a folder
 ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
 
 /// Returns the file that Model::write() writes for a path: likewise the points for a folder.

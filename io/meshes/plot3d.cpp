@@ -18,10 +18,10 @@
 #include "mesh_format.h"
 #include "structured_grid.h"
 
-// Reads grids of PLOT3D (.xyz, .p3d, .fmt): text, Fortran's unformatted records, or plain binary.
-// A grid has one block or several, two or three dimensions, single or double precision, either
-// byte order, and may have iblank. The file does not state these properties; its length tells
-// them.
+// Reads grids of PLOT3D (.xyz, .p3d, .fmt, .g, .x, .grd, .ufmt): text, Fortran's unformatted
+// records, or plain binary. A grid has one block or several, two or three dimensions, single or
+// double precision, either byte order, and may have iblank. The file does not state these
+// properties; its length tells them.
 //
 // The points are those of all blocks, block after block, i fastest. Coordinates that blocks share
 // are points of each of them.
@@ -318,7 +318,7 @@ Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, Re
 
 }  // namespace
 
-const Format kPlot3dFormat = {.extensions = {".xyz", ".p3d", ".fmt"},
+const Format kPlot3dFormat = {.extensions = {".xyz", ".p3d", ".fmt", ".g", ".x", ".grd", ".ufmt"},
                               .isMesh = true,
                               .readModel = readMeshModel<kPlot3dMesh>,
                               .readLattice = readPlot3d};

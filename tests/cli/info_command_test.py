@@ -134,6 +134,7 @@ class ModelInfo(CliTest):
                       self.run_program("info", "far.obj").stdout)
 
     def test_an_unknown_format_lists_all(self):
+        self.put("x.unknown", "1 2 3\n")
         error = self.error_of("info", "x.unknown")
         self.assertTrue(error.startswith("espalier: x.unknown: is not of a known format; expected a "
                                          "model: .obj, .ply, .stl, "), error)

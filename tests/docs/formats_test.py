@@ -18,14 +18,14 @@ PRINT_FORMATS = sys.argv.pop()
 TEXTS = ("README.md", "SECURITY.md", "docs/*.md", "c/*.h", "python/*.cpp", "python/espalier/*.py*", "io/**/*.h",
          "web/library/*.ts", "web/page/*.ts", "web/page/*.html", "web/*.md", "cli/*.cpp", "cli/*.h",
          "hosts/*.md", "hosts/blender/**/*.py", "scripts/agreement")
-EXTENSION = r"\*?\.[a-z][a-z0-9]{1,5}\b"
+EXTENSION = r"\*?\.[a-z][a-z0-9]{0,5}\b"
 MARK = r"[`\"'*]*"
 # ".ovm, .vtu or .vtk", over line ends and the marks of comments.
 SEPARATOR = rf"{MARK}(?:,|;|\||\s*/)?(?:\s|\n[/#*\s]*)*(?:(?:or|and)(?:\s|\n[/#*\s]*)+)?{MARK}"
 LIST = re.compile(rf"{MARK}{EXTENSION}(?:{SEPARATOR}{EXTENSION}){{2,}}")
 
 # Formats that belong together: PLOT3D's extensions, and the models of VTK.
-FAMILIES = {frozenset((".xyz", ".p3d", ".fmt")), frozenset((".vtp", ".vtu", ".vtk"))}
+FAMILIES = {frozenset((".xyz", ".p3d", ".fmt", ".g", ".x", ".grd", ".ufmt")), frozenset((".vtp", ".vtu", ".vtk"))}
 
 
 def registry():
@@ -76,7 +76,7 @@ class Formats(unittest.TestCase):
             for path in sorted(ROOT.glob(pattern)):
                 text = path.read_text()
                 for match in LIST.finditer(text):
-                    extensions = frozenset(re.findall(r"\.[a-z][a-z0-9]{1,5}", match.group()))
+                    extensions = frozenset(re.findall(r"\.[a-z][a-z0-9]{0,5}", match.group()))
                     if len(extensions & every) < 3 or text[:match.start()].rstrip(" /*\n").endswith("such as"):
                         continue
                     found += 1

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
@@ -94,13 +95,25 @@ TEST(Model, OtherExtensionsAreRefused) {
     EXPECT_REFUSED(FileError,
                    "a.off: is not of a known model format; expected .obj, .ply, .stl, .vtu, .vtp, "
                    ".vtk, .glb or .gltf, or the mesh of a simulation (",
-                   readModel("a.off"));
+                   readModel("a.off", ""));
     for (const std::string name : {"a.vtm", "a.PVTU"})
         EXPECT_REFUSED(FileError,
                        name +
                            ": lists other files; name one of these files (.obj, .ply, .stl, "
                            ".vtu, .vtp, .vtk, .glb or .gltf)",
-                       readModel(name));
+                       readModel(name, ""));
+}
+
+/// A name without the extension of a format may be the folder of a case.
+TEST(Model, MissingFilesAndFoldersAreNamedAsSuch) {
+    for (const std::string name : {"/tmp/no-case", "/tmp/no-case/", "no-case.1", "a.off"}) {
+        const std::string cause = name + ": no such file or folder";
+        EXPECT_REFUSED(FileError, cause, readModel(name));
+        EXPECT_REFUSED(FileError, cause, readLattice(name));
+        EXPECT_REFUSED(FileError, cause, readRefinable(name));
+    }
+    EXPECT_REFUSED(FileError, "no.msh: cannot open: No such file or directory",
+                   readModel("no.msh"));
 }
 
 TEST(Model, SharedModelsRoundTripByteForByte) {

@@ -31,7 +31,7 @@ std::string binaryGrid(std::endian order, bool hasMarkers, bool hasCount, bool h
 
 TEST(Plot3d, TextIsReadAndWrittenInPlace) {
     const std::string text = sampleGrid({{2, 3, 2}, {2, 2, 2}}, {{0, 0, 0}, {1, 0, 0}});
-    for (const char* name : {"a.xyz", "a.p3d", "a.FMT"}) {
+    for (const char* name : {"a.xyz", "a.p3d", "a.FMT", "a.g", "a.x", "a.grd", "a.ufmt"}) {
         const auto model = readModel(name, text);
         ASSERT_EQ(model->positions().size(), 20u);
         EXPECT_EQ(model->positions()[5], (Point3{1, 4, 0}));

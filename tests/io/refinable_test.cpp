@@ -54,7 +54,7 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
     EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
               "a.stl: is not of a known format of curves, meshes or lattices; "
               "expected .obj, .ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .su2, .mesh, "
-              ".xyz, .p3d, .fmt or an OpenFOAM case)");
+              ".xyz, .p3d, .fmt, .g, .x, .grd, .ufmt or an OpenFOAM case)");
 }
 
 /// Lattices have no holes, and a mark that the file cannot hold is not dropped silently.
