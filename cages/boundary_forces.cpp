@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace espalier::cages {
 namespace {
@@ -119,7 +120,7 @@ void BoundaryForces::match(std::span<const Point3> positions) {
 /// hardly apart where the boundary is flat.
 void BoundaryForces::measureFaces(std::span<const Point3> positions) {
     const std::vector<Point3> fine = surface_.fineVertices(positions);
-    const std::vector<Point3> finest = surface_.finestVertices(fine);
+    const std::vector<Point3> irregular = surface_.irregularVertices(fine);
     const CageSurface::Faces& faces = surface_.fineFaces();
     const std::span<const std::array<Index, 4>> loops = faces.loops;
     std::vector<Point3> hull;
@@ -132,11 +133,12 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
         const Point3 normal = cross(difference(fine[c], fine[a]), difference(fine[d], fine[b]));
         const double size = length(normal);
         if (size > 0) face.normal = scaled(normal, 1 / size);
-        faces.limitHull(static_cast<Index>(f), fine, hull);
-        if (faces.isPatch[f] == 0) {
+        if (faces.isPatch[f] != 0) {
+            faces.limitHull(static_cast<Index>(f), fine, hull);
+        } else {
             hull.assign({fine[a], fine[b], fine[c], fine[d]});
-            for (const Index vertex : surface_.finestHull(static_cast<Index>(f)))
-                hull.push_back(finest[vertex]);
+            for (const Index vertex : surface_.irregularHull(static_cast<Index>(f)))
+                hull.push_back(irregular[vertex]);
         }
         for (const Point3& point : hull)
             face.depth = std::max(face.depth, dot(face.normal, difference(face.centre, point)));
@@ -159,7 +161,7 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
 
 /// Finds the nearest points of each face of level 2.
 void BoundaryForces::matchPulls() {
-    pulling_.assign(coarseFaces_.size(), std::nullopt);
+    pulling_.resize(coarseFaces_.size());  // the last match is a good guess
     std::atomic<Offset> visitsOfAll = 0;
     parallelFor(std::ssize(pulling_), 64, [&](Offset first, Offset last) {
         Offset visits = 0;
@@ -168,6 +170,7 @@ void BoundaryForces::matchPulls() {
         std::span<const Index> marked;
         for (Offset c = first; c < last; ++c) {
             const Point3& normal = coarseFaces_[c].normal;
+            const auto guess = std::exchange(pulling_[c], std::nullopt);
             if (normal == Point3{0, 0, 0}) continue;
             for (const Index cell : marked) isApart[cell] = 0;
             marked = apart_[surface_.cellOfCoarse(static_cast<Index>(c))];
@@ -175,7 +178,7 @@ void BoundaryForces::matchPulls() {
             pulling_[c] = groups_.nearest(
                 coarseFaces_[c].centre, kPullRings,
                 [&](std::optional<Index> cell) { return !cell || isApart[*cell] == 0; },
-                [&](Index group) { return faces(group, normal); }, visits);
+                [&](Index group) { return faces(group, normal); }, visits, guess);
         }
         visitsOfAll += visits;
     });
@@ -190,13 +193,14 @@ void BoundaryForces::matchPushes() {
     for (Index f = 0; f < std::ssize(fineFaces_); ++f)
         entries.push_back({grid.cubeOf(fineFaces_[f].centre), f});
     const Bins facesOfCubes(grid.cubeCount(), entries);
-    const auto nearestFace = [&](const Point3& point, Index rings, auto accept) {
+    const auto nearestFace = [&](const Point3& point, Index rings, std::optional<Index> guess,
+                                 auto accept) {
         return grid.nearest(
             point, rings,
             [&](Index firstCube, Index lastCube, auto visit) {
                 for (const Index f : facesOfCubes.itemsIn(firstCube, lastCube)) visit(f);
             },
-            [&](Index f) -> const Point3& { return fineFaces_[f].centre; }, accept);
+            [&](Index f) -> const Point3& { return fineFaces_[f].centre; }, accept, guess);
     };
     const std::vector<Index>& cells = surface_.fineFaces().cells;
     std::vector<BoundingBox> facesOf(apart_.size());  // boxes around the faces of each cell
@@ -210,23 +214,24 @@ void BoundaryForces::matchPushes() {
                 return false;
         return true;
     };
-    own_.assign(groups.size(), std::nullopt);
-    other_.assign(groups.size(), std::nullopt);
+    own_.resize(groups.size());
+    other_.resize(groups.size());
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
             checkCancelledEvery(g, 5);
             const auto group = static_cast<Index>(g);
+            const auto guess = std::exchange(other_[g], std::nullopt);
             if (groups[g].isInner) continue;
             // A group without proof must push a face, even a far one.
             const Index rings = failures_[g] > 0 ? kPullRings : kPushRings;
-            own_[g] = nearestFace(groups[g].centre, rings, [&](Index f) {
+            own_[g] = nearestFace(groups[g].centre, rings, own_[g], [&](Index f) {
                 return faces(group, fineFaces_[f].normal) && belongs(groups[g].cell, cells[f]);
             });
             if (!groups[g].cell) continue;
             const std::vector<Index>& apart = apart_[*groups[g].cell];
             if (std::any_of(apart.begin(), apart.end(),
                             [&](Index cell) { return isNear(group, cell); }))
-                other_[g] = nearestFace(groups[g].centre, kPushRings, [&](Index f) {
+                other_[g] = nearestFace(groups[g].centre, kPushRings, guess, [&](Index f) {
                     return !belongs(groups[g].cell, cells[f]);
                 });
         }
@@ -367,6 +372,11 @@ Index BoundaryForces::countOutside(double distance) const {
     for (std::size_t g = 0; g < own_.size(); ++g)
         if (own_[g] && pushedDistance(g) < -distance) ++count;
     return count;
+}
+
+std::optional<Index> BoundaryForces::pushedCell(Index group) const {
+    if (!own_[group]) return std::nullopt;
+    return surface_.fineFaces().cells[*own_[group]];
 }
 
 void BoundaryForces::weakenPulls(std::span<const char> isChosen, double factor) {

@@ -65,6 +65,9 @@ public:
     /// distance.
     Index countOutside(double distance) const;
 
+    /// Returns the cell whose face a group pushes outwards; none if it pushes no face.
+    std::optional<Index> pushedCell(Index group) const;
+
     /// Multiplies the pulls on the faces of some cells.
     /// \param isChosen per cell
     void weakenPulls(std::span<const char> isChosen, double factor);

@@ -37,6 +37,21 @@ stencils::StencilTable<double> withColumns(const stencils::StencilTable<double>&
             std::move(weights)};
 }
 
+/// Returns some rows of a table.
+stencils::StencilTable<double> rowsOf(const stencils::StencilTable<double>& table,
+                                      std::span<const Index> rows) {
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
+    for (const Index row : rows) {
+        for (const Index column : table.columns(row)) columns.push_back(column);
+        for (const double weight : table.weights(row)) weights.push_back(weight);
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {stencils::Trusted(), table.columnCount(), std::move(offsets), std::move(columns),
+            std::move(weights)};
+}
+
 /// Returns the table of the means of four rows each.
 stencils::StencilTable<double> centresOf(const stencils::StencilTable<double>& vertices,
                                          const far::CellComplex& mesh) {
@@ -132,8 +147,9 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     fineFaces_.emplace(refiner.level(kLevel), cellsOf(kLevel));
     finestFaces_.emplace(refiner.level(kLevel + 1), cellsOf(kLevel + 1));
     // A face has four children, which follow each other.
-    finestHulls_ = far::buildRows<Index>(
+    irregularHulls_ = far::buildRows<Index>(
         refiner.level(kLevel).complex.count(2), [&](Index face, std::vector<Index>& out) {
+            if (fineFaces_->isPatch[face] != 0) return;
             std::vector<Index> hull;
             for (Index child = 4 * face; child < 4 * face + 4; ++child) {
                 const auto ofChild = finestFaces_->hull(child);
@@ -142,6 +158,10 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
             sortUnique(hull);
             out.insert(out.end(), hull.begin(), hull.end());
         });
+    std::vector<Index> rows(irregularHulls_.values.begin(), irregularHulls_.values.end());
+    sortUnique(rows);
+    irregularTable_ = rowsOf(finestTable_, rows);
+    for (Index& vertex : irregularHulls_.values) vertex = indexIn(rows, vertex);
 }
 
 CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFaces)
@@ -242,8 +262,9 @@ std::optional<std::array<Index, 16>> CageSurface::Faces::controlPoints(const far
 
 void CageSurface::Faces::limitHull(Index face, std::span<const Point3> vertices,
                                    std::vector<Point3>& points) const {
-    points.clear();
-    for (const Index vertex : hull(face)) points.push_back(vertices[vertex]);
+    const std::span<const Index> control = hull(face);
+    points.resize(control.size());
+    for (std::size_t i = 0; i < control.size(); ++i) points[i] = vertices[control[i]];
     if (isPatch[face] == 0) return;
     // From control points of a B-spline to Bézier points, along both directions.
     const auto convert = [&](std::size_t first, std::size_t step) {
@@ -272,6 +293,10 @@ std::vector<Point3> CageSurface::fineVertices(std::span<const Point3> positions)
 
 std::vector<Point3> CageSurface::finestVertices(std::span<const Point3> fineVertices) const {
     return stencils::applyLevelTable(finestTable_, fineVertices);
+}
+
+std::vector<Point3> CageSurface::irregularVertices(std::span<const Point3> fineVertices) const {
+    return stencils::applyLevelTable(irregularTable_, fineVertices);
 }
 
 namespace {

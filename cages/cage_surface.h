@@ -67,17 +67,23 @@ public:
     /// The faces of level 4.
     const Faces& finestFaces() const { return *finestFaces_; }
     std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
-    /// Returns the vertices of level 4 whose convex hull contains the limit of a face of level 3.
-    std::span<const Index> finestHull(Index fineFace) const {
-        const auto begin = finestHulls_.offsets[fineFace], end = finestHulls_.offsets[fineFace + 1];
-        return std::span(finestHulls_.values).subspan(begin, end - begin);
+
+    /// Returns the vertices of level 4 around the faces of level 3 that are no patches.
+    std::vector<Point3> irregularVertices(std::span<const Point3> fineVertices) const;
+    /// Returns numbers of irregularVertices(), whose convex hull contains the limit of a face of
+    /// level 3; none if the face is a patch.
+    std::span<const Index> irregularHull(Index fineFace) const {
+        const auto begin = irregularHulls_.offsets[fineFace],
+                   end = irregularHulls_.offsets[fineFace + 1];
+        return std::span(irregularHulls_.values).subspan(begin, end - begin);
     }
 
 private:
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
-    stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
+    stencils::StencilTable<double> finestTable_;     ///< level 4 over level 3
+    stencils::StencilTable<double> irregularTable_;  ///< some rows of finestTable_
     std::optional<Faces> fineFaces_, finestFaces_;
-    far::Rows<Index> finestHulls_;  ///< the hull of each face of level 3
+    far::Rows<Index> irregularHulls_;  ///< rows of irregularTable_ for each face of level 3
     std::vector<Index> coarseOfFine_, cellOfCoarse_;
 };
 

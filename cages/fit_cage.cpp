@@ -46,15 +46,19 @@ constexpr double kGoodJacobian = 0.3, kLeastJacobian = 0.28;
 /// cells were improved, and 0.17 after it; 54 others had more than 0.2.
 constexpr double kMaxFarOut = 0.2, kFarOut = 0.1;
 
-/// An attempt is given up if this many rounds of repair leave more than kLeftOver of the failures.
-/// A few failures may come and go before the last one is repaired.
-constexpr std::size_t kPatience = 3;
-constexpr double kLeftOver = 0.75;
-constexpr double kLastFailures = 4;
+/// An attempt is given up if a round of repair leaves more than kLeftOver of the failures of the
+/// best round before. A few failures, kLastFailures, may come and go before the last one is
+/// repaired. The 113 attempts around 108 models that were proved met this, after at most 6 rounds.
+constexpr double kLeftOver = 0.6, kLastFailures = 4;
 
-/// A round of repair is short, and changes only what is near the failures, if there are fewer
-/// failures than this.
+/// A round of repair is short if there are fewer failures than this.
 constexpr std::size_t kFewFailures = 16;
+
+/// Weight of the squared way, in edges, of the vertices that a round of repair moves, and that a
+/// round moves that improves the worst cells. Without it, vertices beside thin parts run away until
+/// cells fold. With it, and with all other vertices at rest, 108 models took 30 % less work, and
+/// their cages are 2.3 % tighter.
+constexpr double kHold = 3, kHoldPoor = 0.3;
 
 /// Weight of the shape of a cell.
 constexpr double kShape = 0.03;
@@ -73,15 +77,8 @@ void checkFinite(const Point3& point, const char* name, std::size_t number) {
 bool isStuck(std::span<const std::size_t> failures, std::size_t most) {
     if (failures.front() > most) return true;
     if (failures.size() < 2) return false;
-    const auto leastUpTo = [&](std::size_t count) {
-        return static_cast<double>(
-            *std::min_element(failures.begin(), failures.begin() + static_cast<Offset>(count)));
-    };
-    const auto last = static_cast<double>(failures.back());
-    // The number grows where two parts push each other.
-    if (last > 2 * leastUpTo(failures.size() - 1) + 20) return true;
-    return failures.size() > kPatience &&
-           last > kLeftOver * leastUpTo(failures.size() - kPatience) + kLastFailures;
+    const auto least = static_cast<double>(*std::min_element(failures.begin(), failures.end() - 1));
+    return static_cast<double>(failures.back()) > kLeftOver * least + kLastFailures;
 }
 
 /// The state of a fit.
@@ -138,12 +135,16 @@ private:
     Outcome attempt(int number);
     void begin(int attempt);
     void match();
+    static void addAnchor(double weight, std::span<const Point3> places,
+                          std::span<const Point3> positions, double& energy,
+                          std::span<Point3> gradient);
     void optimise(int iterations);
+    void moveOnlyNear(std::span<const Index> cells, double hold);
     void improve(int steps, int iterations);
     bool certify();
     std::vector<Index> unprovedCells();
     std::vector<Index> foldedCells() const;
-    void favourPoorCells();
+    std::vector<Index> favourPoorCells();
     double leastJacobian() const;
     double polish();
     void requireNear() const;
@@ -163,6 +164,8 @@ private:
     double startVolume_ = enclosedVolume();
     std::optional<limit::LimitParts> parts_;  ///< made when no point is left outside
     double anchor_ = 0;             ///< weight of the squared way of a vertex from the start
+    double hold_ = 0;               ///< weight of the squared way since the last match
+    std::vector<char> isFixed_;     ///< per vertex; empty: all vertices move
     std::size_t failureCount_ = 0;  ///< groups and cells without proof at the last certify()
     std::string failure_;
 };
@@ -171,6 +174,8 @@ void Fit::begin(int attempt) {
     const double pull = attempt + 1 < kAttempts ? std::pow(0.3, attempt) : 0;
     positions_ = start_;
     anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
+    hold_ = 0;
+    isFixed_.clear();
     shapes_.resetWeights();
     forces_.reset(pull);
     match();
@@ -182,19 +187,31 @@ void Fit::match() {
     work_.add(forces_.workOfPulls());
 }
 
+/// Adds the weighted squares of the ways of all vertices from some places.
+void Fit::addAnchor(double weight, std::span<const Point3> places,
+                    std::span<const Point3> positions, double& energy,
+                    std::span<Point3> gradient) {
+    if (weight == 0) return;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Point3 way = difference(positions[i], places[i]);
+        energy += weight * dot(way, way);
+        gradient[i] = sum(gradient[i], scaled(way, 2 * weight));
+    }
+}
+
 void Fit::optimise(int iterations) {
+    const std::vector<Point3> before = positions_;
     const double steps = shapes_.workOfEvaluation() + forces_.workOfEnergy();
     const Energy energy = [&](std::span<const Point3> positions, std::span<Point3> gradient) {
         work_.add(steps);
         double total = shapes_.evaluate(positions, gradient) * kShape;
         for (Point3& slope : gradient) slope = scaled(slope, kShape);
-        for (std::size_t i = 0; i < positions.size(); ++i) {
-            const Point3 way = difference(positions[i], start_[i]);
-            total += anchor_ * dot(way, way);
-            gradient[i] = sum(gradient[i], scaled(way, 2 * anchor_));
-        }
+        addAnchor(anchor_, start_, positions, total, gradient);
+        addAnchor(hold_, before, positions, total, gradient);
         forces_.addEnergy(positions, total, gradient);
         makeGradientSymmetric(options_.mirrors, gradient);
+        for (std::size_t i = 0; i < isFixed_.size(); ++i)
+            if (isFixed_[i] != 0) gradient[i] = {0, 0, 0};
         return total;
     };
     forces_.renew();
@@ -238,7 +255,29 @@ bool Fit::certify() {
     for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
         if (isNearBad[cell]) shapes_.scaleWeight(cell, 1.5);
     forces_.weakenPulls(isNearBad, 0.5);
+    std::vector<Index> failed = badCells;
+    for (const Uncovered& group : uncovered) {
+        if (group.cell) failed.push_back(*group.cell);
+        if (const auto cell = forces_.pushedCell(group.group)) failed.push_back(*cell);
+    }
+    moveOnlyNear(failed, kHold);
     return failureCount_ == 0;
+}
+
+/// From now on, only the vertices of some cells and of their neighbours move, and their mirror
+/// images: the limits of the faces of these cells depend on them.
+/// \param hold weight of the squared way from where they are, in edges
+void Fit::moveOnlyNear(std::span<const Index> cells, double hold) {
+    const far::CellComplex& complex = base_.level(0).complex;
+    hold_ = hold / (edge_ * edge_);
+    isFixed_.assign(positions_.size(), 1);
+    for (const Index cell : cells)
+        for (const Index corner : complex.relation(3, 0)[cell])
+            for (const Index near : complex.relation(0, 3)[corner])
+                for (const Index vertex : complex.relation(3, 0)[near]) isFixed_[vertex] = 0;
+    for (const VertexMirror& mirror : options_.mirrors)
+        for (std::size_t vertex = 0; vertex < isFixed_.size(); ++vertex)
+            if (isFixed_[mirror.images[vertex]] == 0) isFixed_[vertex] = 0;
 }
 
 /// Returns the cells that are not proved to be free of folds.
@@ -288,8 +327,8 @@ double Fit::enclosedVolume() const {
     return volume;
 }
 
-/// Gives more weight to poor cells, and less to the pulls on their faces.
-void Fit::favourPoorCells() {
+/// Gives more weight to poor cells, and less to the pulls on their faces. Returns these cells.
+std::vector<Index> Fit::favourPoorCells() {
     const far::CellComplex& complex = base_.level(0).complex;
     const std::vector<double> shapes = shapes_.leastJacobians(positions_);
     std::vector<Index> poor;
@@ -304,6 +343,7 @@ void Fit::favourPoorCells() {
     }
     shapes_.examine(poor);
     forces_.weakenPulls(isPoor, 0.6);
+    return poor;
 }
 
 double Fit::leastJacobian() const {
@@ -320,7 +360,7 @@ double Fit::polish() {
     for (int polishes = 0, repairs = 0; best < kLeastJacobian;) {
         if (isProved) {
             if (polishes++ == kPolishes) break;
-            favourPoorCells();
+            moveOnlyNear(favourPoorCells(), kHoldPoor);
             failures.clear();
         } else {
             failures.push_back(failureCount_);

@@ -65,9 +65,12 @@ struct CubeGrid {
     ///        `first` to `last`, which are in one row
     /// \param placeOf placeOf(item) is the place of an item; its cube is the cube of this place
     /// \param accept items without accept(item) do not count
+    /// \param guess an item that may be the nearest one. A good guess saves time, and has no other
+    ///        effect
     template <class ForEachIn, class PlaceOf, class Accept>
     std::optional<Index> nearest(const Point3& point, Index rings, ForEachIn forEachIn,
-                                 PlaceOf placeOf, Accept accept) const {
+                                 PlaceOf placeOf, Accept accept,
+                                 std::optional<Index> guess = std::nullopt) const {
         const auto centre = coordinatesOf(point);
         Point3 inside;  // the cube `centre`
         double wall = size;
@@ -86,6 +89,12 @@ struct CubeGrid {
         };
         std::optional<Index> best;
         double least = std::numeric_limits<double>::infinity();
+        if (guess && ringBetween(centre, coordinatesOf(placeOf(*guess))) <= rings &&
+            accept(*guess)) {
+            best = guess;
+            const Point3 way = difference(placeOf(*guess), point);
+            least = dot(way, way);
+        }
         for (Index ring = 0; ring <= rings; ++ring) {
             const double reach = (ring - 1) * size + wall - slack;
             if (best && reach > 0 && reach * reach > least) break;
@@ -103,6 +112,11 @@ struct CubeGrid {
                 });
         }
         return best;
+    }
+
+    /// Returns the number of the ring around one cube in which another cube is.
+    static Index ringBetween(const std::array<Index, 3>& a, const std::array<Index, 3>& b) {
+        return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
     }
 
 private:
@@ -204,9 +218,13 @@ public:
     /// none within `rings` rings of cubes.
     /// \param visits is increased by the number of groups, lists and blocks of cubes that are
     ///        visited
+    /// \param guess a group that may be the nearest one. A good guess saves time and visits, and
+    ///        has no other effect
     template <class AcceptCell, class Accept>
     std::optional<Index> nearest(const Point3& point, Index rings, AcceptCell acceptCell,
-                                 Accept accept, Offset& visits) const {
+                                 Accept accept, Offset& visits,
+                                 std::optional<Index> guess = std::nullopt) const {
+        if (guess && !acceptCell(groups_[*guess].cell)) guess.reset();
         const auto centre = grid_.coordinatesOf(point);
         // A point outside the grid may be in a block beyond the block of its nearest cube.
         const Index ringsOfBlocks = rings / kCubesPerBlock + 2;
@@ -224,20 +242,16 @@ public:
                 }
             },
             [&](Index group) -> const Point3& { return centres_[group]; },
-            [&](Index group) { return accept(group) && ringOf(group, centre) <= rings; });
+            [&](Index group) {
+                return accept(group) && CubeGrid::ringBetween(
+                                            grid_.coordinatesOf(groups_[group].cube), centre) <=
+                                            rings;
+            },
+            guess);
     }
 
 private:
     void makeBlocks();
-
-    /// Returns the ring around `centre` in which the cube of a group is.
-    Index ringOf(Index group, const std::array<Index, 3>& centre) const {
-        const auto cube = grid_.coordinatesOf(groups_[group].cube);
-        Index ring = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            ring = std::max(ring, std::abs(cube[axis] - centre[axis]));
-        return ring;
-    }
 
     CubeGrid grid_;
     std::vector<Point3> points_;

@@ -9,6 +9,8 @@
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "grid_cages.h"
 #include "support/test.h"
 
@@ -79,10 +81,34 @@ TEST(CageSurface, hullsHoldTheNextLevel) {
             for (const Index v : surface.finestFaces().hull(static_cast<Index>(child)))
                 ASSERT_LE(dot(way, finest[v]), most + 1e-12) << "face " << face;
         }
-        const auto hull = surface.finestHull(face);
-        for (const Index v : surface.finestFaces().hull(static_cast<Index>(child)))
-            ASSERT_TRUE(std::ranges::binary_search(hull, v)) << "face " << face;
     }
+}
+
+// Patches have Bézier points instead.
+TEST(CageSurface, irregularHullsAreTheHullsOfTheNextLevelAroundOtherFacesThanPatches) {
+    const Lattice lattice = bentCage();
+    const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
+    const auto fine = surface.fineVertices(lattice.positions);
+    const auto finest = surface.finestVertices(fine);
+    const auto irregular = surface.irregularVertices(fine);
+    EXPECT_LT(irregular.size(), finest.size());
+    int patches = 0, others = 0;
+    for (Index face = 0; face < std::ssize(surface.fineFaces().loops); ++face) {
+        const auto hull = surface.irregularHull(face);
+        if (surface.fineFaces().isPatch[face] != 0) {
+            ++patches;
+            ASSERT_THAT(hull, IsEmpty());
+            continue;
+        }
+        ++others;
+        std::set<Point3> expected, found;
+        for (Index child = 4 * face; child < 4 * face + 4; ++child)
+            for (const Index v : surface.finestFaces().hull(child)) expected.insert(finest[v]);
+        for (const Index number : hull) found.insert(irregular[number]);
+        ASSERT_EQ(found, expected) << "face " << face;
+    }
+    EXPECT_GT(patches, 0);
+    EXPECT_GT(others, 0);
 }
 
 /// Returns the point of a Bézier patch at the place (u, v).

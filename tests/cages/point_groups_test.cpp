@@ -111,6 +111,15 @@ TEST(PointGroups, findsTheNearestGroupThatIsAcceptedWithinSomeRings) {
             EXPECT_EQ(groups.nearest(place, rings, isWanted, isOdd, visits), expected);
             // A group and its list; 11 * 11 * 9 blocks, with edges.
             EXPECT_LE(visits, 2 * groups.groups().size() + 1100);
+            // A guess may be right, wrong, too far, or not accepted.
+            for (Index guess = 0; guess < std::ssize(groups.groups()); ++guess) {
+                if (groups.groups()[guess].isInner) continue;
+                Offset visitsWithGuess = 0;
+                EXPECT_EQ(groups.nearest(place, rings, isWanted, isOdd, visitsWithGuess, guess),
+                          expected)
+                    << guess;
+                EXPECT_LE(visitsWithGuess, visits) << guess;
+            }
         }
 }
 
