@@ -78,6 +78,13 @@ std::vector<std::vector<Index>> cellsApart(const Lattice& start, double edge) {
     return apart;
 }
 
+/// Returns true if two boxes are at most `reach` apart along each axis.
+bool areNear(const BoundingBox& a, const BoundingBox& b, double reach) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (a.min[axis] > b.max[axis] + reach || a.max[axis] < b.min[axis] - reach) return false;
+    return true;
+}
+
 }  // namespace
 
 BoundaryForces::BoundaryForces(const CageSurface& surface, const PointGroups& groups,
@@ -86,7 +93,14 @@ BoundaryForces::BoundaryForces(const CageSurface& surface, const PointGroups& gr
       groups_(groups),
       edge_(edge),
       margin_(margin),
-      apart_(cellsApart(start, edge)) {}
+      apart_(cellsApart(start, edge)),
+      groupsOf_(apart_.size()) {
+    for (const PointGroups::Group& group : groups.groups()) {
+        if (!group.cell) continue;
+        groupsOf_[*group.cell].include(group.bounds.min);
+        groupsOf_[*group.cell].include(group.bounds.max);
+    }
+}
 
 void BoundaryForces::reset(double pull) {
     const std::size_t count = groups_.groups().size();
@@ -207,13 +221,10 @@ void BoundaryForces::matchPushes() {
     for (std::size_t f = 0; f < fineFaces_.size(); ++f)
         facesOf[cells[f]].include(fineFaces_[f].centre);
     const double reach = kPushRings * grid.size;
-    const auto isNear = [&](Index group, Index cell) {
-        for (int axis = 0; axis < 3; ++axis)
-            if (facesOf[cell].min[axis] > groups[group].bounds.max[axis] + reach ||
-                facesOf[cell].max[axis] < groups[group].bounds.min[axis] - reach)
-                return false;
-        return true;
-    };
+    std::vector<std::vector<Index>> nearApart(apart_.size());  // of apart_: may be near a group
+    for (std::size_t cell = 0; cell < apart_.size(); ++cell)
+        for (const Index other : apart_[cell])
+            if (areNear(facesOf[other], groupsOf_[cell], reach)) nearApart[cell].push_back(other);
     own_.resize(groups.size());
     other_.resize(groups.size());
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
@@ -228,9 +239,9 @@ void BoundaryForces::matchPushes() {
                 return faces(group, fineFaces_[f].normal) && belongs(groups[g].cell, cells[f]);
             });
             if (!groups[g].cell) continue;
-            const std::vector<Index>& apart = apart_[*groups[g].cell];
-            if (std::any_of(apart.begin(), apart.end(),
-                            [&](Index cell) { return isNear(group, cell); }))
+            if (std::ranges::any_of(nearApart[*groups[g].cell], [&](Index cell) {
+                    return areNear(facesOf[cell], groups[g].bounds, reach);
+                }))
                 other_[g] = nearestFace(groups[g].centre, kPushRings, guess, [&](Index f) {
                     return !belongs(groups[g].cell, cells[f]);
                 });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
@@ -93,6 +94,7 @@ private:
     const PointGroups& groups_;
     double edge_, margin_;
     std::vector<std::vector<Index>> apart_;  ///< the cells that are apart from each cell, ascending
+    std::vector<BoundingBox> groupsOf_;      ///< the box around the groups of each cell
     std::vector<Face> fineFaces_, coarseFaces_;  ///< the faces of level 3 and of level 2
     std::vector<std::optional<Index>> pulling_;  ///< group nearest to each face of level 2
     Offset visits_ = 0;                          ///< number of visits of the searches for pulling_

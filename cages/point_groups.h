@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <optional>
@@ -95,21 +96,29 @@ struct CubeGrid {
             const Point3 way = difference(placeOf(*guess), point);
             least = dot(way, way);
         }
+        const auto isWanted = [&](double square) { return square <= least; };
+        const auto visitRun = [&](Index first, Index last) {
+            forEachIn(first, last, [&](Index item) {
+                const Point3 way = difference(placeOf(item), point);
+                const double distance = dot(way, way);
+                if (distance > least || (distance == least && best && item > *best)) return;
+                if (!accept(item)) return;
+                best = item;
+                least = distance;
+            });
+        };
+        // Rows of a few rings take less time than ring after ring.
+        constexpr Index kFewRings = 3;
+        const double reachOfBest = (std::sqrt(least) + slack) / size + 1;
+        const Index ringsToVisit = reachOfBest < rings ? static_cast<Index>(reachOfBest) : rings;
+        if (ringsToVisit <= kFewRings) {
+            forEachRunInBox(centre, ringsToVisit, squareTo, isWanted, visitRun);
+            return best;
+        }
         for (Index ring = 0; ring <= rings; ++ring) {
             const double reach = (ring - 1) * size + wall - slack;
             if (best && reach > 0 && reach * reach > least) break;
-            forEachRunInRing(
-                centre, ring, squareTo, [&](double square) { return square <= least; },
-                [&](Index first, Index last) {
-                    forEachIn(first, last, [&](Index item) {
-                        const Point3 way = difference(placeOf(item), point);
-                        const double distance = dot(way, way);
-                        if (distance > least || (distance == least && best && item > *best)) return;
-                        if (!accept(item)) return;
-                        best = item;
-                        least = distance;
-                    });
-                });
+            forEachRunInRing(centre, ring, squareTo, isWanted, visitRun);
         }
         return best;
     }
@@ -120,6 +129,30 @@ struct CubeGrid {
     }
 
 private:
+    /// As forEachRunInRing(), for the cubes up to the distance `rings`, from the middle outwards.
+    template <class SquareTo, class IsWanted, class Visit>
+    void forEachRunInBox(const std::array<Index, 3>& centre, Index rings, SquareTo squareTo,
+                         IsWanted isWanted, Visit visit) const {
+        const auto forEachNear = [&](int axis, auto visitCoordinate) {
+            for (Index i = 0; i <= 2 * rings; ++i) {
+                const Index coordinate = centre[axis] + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
+                if (coordinate >= 0 && coordinate < counts[axis]) visitCoordinate(coordinate);
+            }
+        };
+        forEachNear(2, [&](Index z) {
+            const double ofZ = squareTo(2, z);
+            if (!isWanted(ofZ)) return;
+            forEachNear(1, [&](Index y) {
+                const double ofRow = ofZ + squareTo(1, y);
+                Index first = std::max(centre[0] - rings, 0);
+                Index last = std::min(centre[0] + rings, counts[0] - 1);
+                while (first <= last && !isWanted(ofRow + squareTo(0, first))) ++first;
+                while (first <= last && !isWanted(ofRow + squareTo(0, last))) --last;
+                if (first <= last) visit(cubeAt({first, y, z}), cubeAt({last, y, z}));
+            });
+        });
+    }
+
     /// Calls visit(first, last) for runs of cubes along the first axis. Leaves out cubes for which
     /// isWanted(square) is false.
     /// \param squareTo squareTo(axis, coordinate) is a part of `square` for each axis
