@@ -189,8 +189,7 @@ void Fit::match() {
 
 /// Adds the weighted squares of the ways of all vertices from some places.
 void Fit::addAnchor(double weight, std::span<const Point3> places,
-                    std::span<const Point3> positions, double& energy,
-                    std::span<Point3> gradient) {
+                    std::span<const Point3> positions, double& energy, std::span<Point3> gradient) {
     if (weight == 0) return;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Point3 way = difference(positions[i], places[i]);

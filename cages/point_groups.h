@@ -276,9 +276,9 @@ public:
             },
             [&](Index group) -> const Point3& { return centres_[group]; },
             [&](Index group) {
-                return accept(group) && CubeGrid::ringBetween(
-                                            grid_.coordinatesOf(groups_[group].cube), centre) <=
-                                            rings;
+                return accept(group) &&
+                       CubeGrid::ringBetween(grid_.coordinatesOf(groups_[group].cube), centre) <=
+                           rings;
             },
             guess);
     }
