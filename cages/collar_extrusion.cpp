@@ -27,9 +27,10 @@ Point3 middleOf(std::span<const Point3> directions, const Point3& start) {
     constexpr int kSteps = 60;
     Point3 middle = start;
     for (int step = 1; step <= kSteps; ++step) {
-        const auto farthest = std::ranges::min_element(
-            directions, {}, [&](const Point3& direction) { return dot(direction, middle); });
-        const Point3 moved = sum(middle, scaled(difference(*farthest, middle), 1.0 / (step + 1)));
+        Point3 farthest = directions[0];
+        for (const Point3& direction : directions)
+            if (dot(direction, middle) < dot(farthest, middle)) farthest = direction;
+        const Point3 moved = sum(middle, scaled(difference(farthest, middle), 1.0 / (step + 1)));
         if (!(dot(moved, moved) > 1e-12)) break;
         middle = normalised(moved);
     }

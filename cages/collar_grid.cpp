@@ -163,7 +163,7 @@ private:
                                     "a direction that a side of the lattice faces");
             side->isOpen = true;
         }
-        if (std::ranges::all_of(sides_, &GridSide::isOpen))
+        if (std::ranges::all_of(sides_, [](const GridSide& side) { return side.isOpen; }))
             throw Error("a collar: all six sides of the lattice are open; leave one of them out");
     }
 

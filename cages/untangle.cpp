@@ -54,7 +54,8 @@ std::vector<CellCorner> cornersOf(const far::TopologyRefiner& refiner, const Tan
         if (!vertices) continue;
         // The vertex of level 0 is the lowest. The other ends of its edges are in the middle of
         // edges of level 0, whose directions the edges of the hexahedron have.
-        const auto lowest = std::size_t(std::ranges::min_element(*vertices) - vertices->begin());
+        const auto lowest =
+            std::size_t(std::min_element(vertices->begin(), vertices->end()) - vertices->begin());
         std::array<double, 3> byAxis = {};
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t end = far::kHexahedronNeighbours[lowest][i];
@@ -141,7 +142,7 @@ bool untangle(std::vector<Point3>& positions, const TangledCells& cells) {
     };
     double edge = std::numeric_limits<double>::max();
     for (const CellCorner& corner : corners)
-        edge = std::min(edge, *std::ranges::min_element(corner.lengths));
+        edge = std::min(edge, *std::min_element(corner.lengths.begin(), corner.lengths.end()));
     std::vector<Point3> slopes(std::size_t(table.rowCount()));
     int polished = 0;
     for (int round = 0; round < kRounds && polished < kPolish; ++round) {
@@ -151,9 +152,9 @@ bool untangle(std::vector<Point3>& positions, const TangledCells& cells) {
         const double epsilon = std::sqrt(1e-12 + 0.04 * below * below);
         if (smallest > 0) ++polished;
         const Energy energy = [&](std::span<const Point3> at, std::span<Point3> gradient) {
-            std::ranges::fill(slopes, Point3{0, 0, 0});
+            std::fill(slopes.begin(), slopes.end(), Point3{0, 0, 0});
             const double total = energyOf(corners, epsilon, refined(at), slopes);
-            std::ranges::fill(gradient, Point3{0, 0, 0});
+            std::fill(gradient.begin(), gradient.end(), Point3{0, 0, 0});
             for (Index row = 0; row < table.rowCount(); ++row) {
                 const auto columns = table.columns(row);
                 const auto weights = table.weights(row);

@@ -201,7 +201,7 @@ bool ConstraintPatches::findPlanes(const far::MeshPatch& patch, Checked& checked
 }
 
 bool ConstraintPatches::pairSides(Checked& checked) const {
-    const auto& [front, back] = std::tie(checked.planes[0], checked.planes[1]);
+    const Plane &front = checked.planes[0], &back = checked.planes[1];
     if (length(cross(front.normal, back.normal)) > kFulfilled) return false;
     const auto project = [&](Index point) {
         return inPlane(difference(rest_[point], front.origin), front.normal);
@@ -267,10 +267,10 @@ bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshP
     std::ranges::sort(pairs, [](const Pair& a, const Pair& b) {
         return std::pair(a.point, a.image) < std::pair(b.point, b.image);
     });
-    const auto twice = std::ranges::unique(pairs, [](const Pair& a, const Pair& b) {
+    const auto twice = std::unique(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
         return a.point == b.point && a.image == b.image;
     });
-    pairs.erase(twice.begin(), twice.end());
+    pairs.erase(twice, pairs.end());
     const Point3 base = rest_[pairs[0].point], imageBase = rest_[pairs[0].image];
     Eigen::Vector3d mean = Eigen::Vector3d::Zero(), imageMean = mean;
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();

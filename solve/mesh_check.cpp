@@ -59,7 +59,8 @@ bool MeshCheck::isSound(const PoseValidity& validity, const MeshQuality& quality
 }
 
 bool MeshCheck::accepts(const MeshVerdict& verdict, Criterion criterion) const {
-    if (std::ranges::any_of(verdict.patches, &PatchDeviation::isBroken)) return false;
+    for (const PatchDeviation& deviation : verdict.patches)
+        if (deviation.isBroken) return false;
     return criterion == Criterion::Exact ? isSound(verdict.validity, verdict.whole)
                                          : solverErrors(verdict.whole) == 0;
 }

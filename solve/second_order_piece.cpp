@@ -100,7 +100,7 @@ std::array<double, 4> inTetrahedron(double u, double v, double w) {
 
 /// Returns the row of a point of the map of a cell.
 Row rowOfCell(const Places& places, StandardCell kind, std::array<std::size_t, 3> at) {
-    const auto [i, j, k] = at;
+    const std::size_t i = at[0], j = at[1], k = at[2];
     const double u = 0.5 * static_cast<double>(i), v = 0.5 * static_cast<double>(j),
                  w = 0.5 * static_cast<double>(k);
     switch (kind) {

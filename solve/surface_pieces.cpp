@@ -108,8 +108,8 @@ std::vector<Point3> SurfacePieces::withNormals(Positions positions) const {
     const bool isAtRest = std::ranges::equal(positions, rest_);
     if (isAtRest || (isPlanar_ && liesInPlane(positions))) return result;
     const std::vector<Moments> moments = momentsOfPoints(mesh_, rest_, positions);
-    constexpr Offset kGrain = 1024;
-    parallelFor(mesh_.faceCount(), kGrain, [&](Offset first, Offset last) {
+    constexpr Offset kFaces = 1024;  // of one task
+    parallelFor(mesh_.faceCount(), kFaces, [&](Offset first, Offset last) {
         for (auto face = static_cast<Index>(first); face < last; ++face) {
             checkCancelledEvery(face, 8);
             Moments around;
