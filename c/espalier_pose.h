@@ -147,6 +147,12 @@ ESPALIER_C_API espalier_status espalier_selection_grow(const espalier_lattice* l
                                                        int32_t vertex_count, int32_t steps,
                                                        double* weights);
 
+/// Sets the weights of the vertices that the lattice holds in place, such as the outer vertices of
+/// a collar (shapes/held.h), to 0, so that no operation moves them. \param weights vertex_count
+/// numbers, 0 to 1, which are changed
+ESPALIER_C_API espalier_status espalier_lattice_held_weights(const espalier_lattice* lattice,
+                                                             int32_t vertex_count, double* weights);
+
 /// Gives the section between the vertices with a weight above 0 and the rest. Its middle is the
 /// joint about which a selected limb turns.
 /// \param weights vertex_count numbers, 0 to 1, without a falloff

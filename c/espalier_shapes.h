@@ -44,6 +44,10 @@ typedef struct espalier_around_options {
                        ///< not set
     double margin;     ///< distance from the points to the sides of the box, as a fraction of the
                        ///< diagonal of the box around the points: 0 or more; default 0.05
+    int32_t symmetry_axis;  ///< 0 to 2: faces of the box lie exactly in a plane across this axis, a
+                            ///< side of the box if all points are on one side of it, else the
+                            ///< middle; default -1: none. Not with `oriented`
+    double symmetry_at;     ///< coordinate of that plane; default 0
 } espalier_around_options;
 
 static inline espalier_around_options espalier_default_around_options(void) {
@@ -54,6 +58,8 @@ static inline espalier_around_options espalier_default_around_options(void) {
     options.oriented = 0;
     options.cell_size = 0;
     options.margin = 0.05;
+    options.symmetry_axis = -1;
+    options.symmetry_at = 0;
     return options;
 }
 
@@ -135,6 +141,44 @@ ESPALIER_C_API espalier_status espalier_lattice_create_cage(int32_t point_count,
                                                             const espalier_polygons* faces,
                                                             const espalier_cage_options* options,
                                                             espalier_lattice** lattice);
+
+/// A collar around a lattice (cages/collar.h). Start from espalier_default_collar_options(): later
+/// versions may add fields, and `size` tells the library which fields exist. Set `reach` or
+/// `until`.
+typedef struct espalier_collar_options {
+    size_t size;          ///< sizeof(espalier_collar_options)
+    int32_t layers;       ///< layers of cells, 1 to 100; default 3
+    int32_t held;         ///< outer layers of vertices that are held; default 0: two, or one if
+                          ///< there is one layer of cells
+    double reach;         ///< thickness of the collar, above 0, in the units of the lattice;
+                          ///< default 0: not set
+    const double* until;  ///< six numbers, two opposite corners of a box to reach to, or null (the
+                          ///< default); only around a box along the axes
+    int32_t open[6];  ///< nonzero: no collar on the side −x, +x, −y, +y, −z, +z; default zeros
+} espalier_collar_options;
+
+static inline espalier_collar_options espalier_default_collar_options(void) {
+    espalier_collar_options options;
+    options.size = sizeof options;
+    options.layers = 3;
+    options.held = 0;
+    options.reach = 0;
+    options.until = NULL;
+    options.open[0] = options.open[1] = options.open[2] = 0;
+    options.open[3] = options.open[4] = options.open[5] = 0;
+    return options;
+}
+
+/// Makes a lattice with layers of cells around the given one, whose outer vertices are held
+/// (espalier_lattice_held_weights(), espalier_lattice_fit()), so that its motion fades out: C² if
+/// two layers of vertices are held, C⁰ if one is. Vertices and cells of the lattice keep their
+/// numbers. No cell of the result is folded.
+///
+/// \retval ESPALIER_ERROR_INPUT an option is out of range, cells would fold or overlap (the message
+///         names a vertex), or the boundary of the lattice is not a manifold
+ESPALIER_C_API espalier_status
+espalier_lattice_create_collar(const espalier_lattice* lattice,
+                               const espalier_collar_options* options, espalier_lattice** result);
 
 /// The cells in the middle of a disk (shapes/section.h).
 enum {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/pose_file.h>
 #include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
@@ -230,6 +231,17 @@ espalier_status espalier_selection_grow(const espalier_lattice* lattice, int32_t
                                      : shapes::growSelection(complex, before, count);
         std::fill_n(weights, vertex_count, 0.0);
         for (const Index vertex : after) weights[vertex] = 1;
+    });
+}
+
+espalier_status espalier_lattice_held_weights(const espalier_lattice* lattice, int32_t vertex_count,
+                                              double* weights) {
+    return c::guarded([&] {
+        const auto& given = c::deref(lattice, "lattice").lattice;
+        c::checkCount(vertex_count, given.complex.count(0), "weights of vertices");
+        const auto out = c::array(weights, vertex_count, "weights");
+        const auto changed = shapes::weightsWithHeld(given, out);
+        std::ranges::copy(changed, out.begin());
     });
 }
 

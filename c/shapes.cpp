@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/cages/cage.h>
+#include <espalier/cages/collar.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/attach.h>
 #include <espalier/shapes/inventory.h>
@@ -59,13 +60,16 @@ espalier_status espalier_lattice_create_around(int64_t point_count, const double
     return c::result(lattice, "lattice", [&] {
         const auto places = c::positions(points, point_count, "points");
         const auto chosen = c::optionsOrDefaults(options, espalier_default_around_options(),
-                                                 "espalier_default_around_options");
-        return new espalier_lattice{
-            shapes::around(places, {.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
-                                    .cellSize = chosen.cell_size,
-                                    .cellsAlongLongest = chosen.cells_along_longest,
-                                    .margin = chosen.margin,
-                                    .oriented = chosen.oriented != 0})};
+                                                 "espalier_default_around_options",
+                                                 offsetof(espalier_around_options, symmetry_axis));
+        shapes::AroundOptions around{.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
+                                     .cellSize = chosen.cell_size,
+                                     .cellsAlongLongest = chosen.cells_along_longest,
+                                     .margin = chosen.margin,
+                                     .oriented = chosen.oriented != 0};
+        if (chosen.symmetry_axis != -1)
+            around.symmetry = {chosen.symmetry_axis, chosen.symmetry_at};
+        return new espalier_lattice{shapes::around(places, around)};
     });
 }
 
@@ -90,6 +94,24 @@ espalier_status espalier_lattice_create_cage(int32_t point_count, const double* 
              .keepApart = chosen.keep_apart != 0,
              .symmetric = c::choice(chosen.symmetric, cages::Symmetric::XYZ, "symmetric"),
              .symmetry = chosen.symmetry})};
+    });
+}
+
+espalier_status espalier_lattice_create_collar(const espalier_lattice* lattice,
+                                               const espalier_collar_options* options,
+                                               espalier_lattice** result) {
+    return c::result(result, "result", [&] {
+        const auto& given = c::deref(lattice, "lattice").lattice;
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_collar_options(),
+                                                 "espalier_default_collar_options");
+        cages::CollarOptions collar{
+            .layers = chosen.layers, .reach = chosen.reach, .held = chosen.held};
+        if (chosen.until != nullptr) {
+            const auto corners = c::positions(chosen.until, 2, "until");
+            collar.until = {corners[0], corners[1]};
+        }
+        for (std::size_t side = 0; side < 6; ++side) collar.open[side] = chosen.open[side] != 0;
+        return new espalier_lattice{cages::collar(given, collar).lattice};
     });
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements espalier_solve.h: fitting, holding and validity.
 #include <espalier/embed/continuity.h>
+#include <espalier/shapes/held.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/rigid_pull.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -35,10 +37,17 @@ struct espalier_pull {
 namespace espalier::c {
 namespace {
 
-solve::RigidPullOptions pullOptions(const espalier_pull_options& chosen) {
+/// Returns the vertices that a fit or a pull keeps.
+std::vector<Index> frozenOf(const Lattice& lattice, std::span<const std::int32_t> frozen,
+                            std::int32_t moveHeld) {
+    if (moveHeld == 0) return shapes::frozenWithHeld(lattice, frozen);
+    return {frozen.begin(), frozen.end()};
+}
+
+solve::RigidPullOptions pullOptions(const espalier_pull_options& chosen, const Lattice& lattice) {
     solve::RigidPullOptions options;
     const auto frozen = array(chosen.frozen, chosen.frozen_count, "frozen");
-    options.frozen.assign(frozen.begin(), frozen.end());
+    options.frozen = frozenOf(lattice, frozen, chosen.move_held);
     const auto pins = array(chosen.pins, chosen.pin_count, "pins");
     options.pins.assign(pins.begin(), pins.end());
     options.reach = chosen.reach;
@@ -47,13 +56,13 @@ solve::RigidPullOptions pullOptions(const espalier_pull_options& chosen) {
     return options;
 }
 
-solve::FitOptions fitOptions(const espalier_fit_options& chosen) {
+solve::FitOptions fitOptions(const espalier_fit_options& chosen, const Lattice& lattice) {
     solve::FitOptions options;
     options.smoothing = choice(chosen.smoothing, solve::Smoothing::Laplacian, "smoothing");
     options.undetermined = choice(chosen.undetermined, solve::Undetermined::Refuse, "undetermined");
     options.strength = chosen.strength;
     const auto frozen = array(chosen.frozen, chosen.frozen_count, "frozen");
-    options.frozen.assign(frozen.begin(), frozen.end());
+    options.frozen = frozenOf(lattice, frozen, chosen.move_held);
     return options;
 }
 
@@ -118,8 +127,11 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         c::checkCount(vertex_count, complex.count(0), "vertices in the array for the result");
         c::array(displacements, vertex_count, "displacements", 3);
-        const auto chosen = c::fitOptions(c::optionsOrDefaults(
-            options, espalier_default_fit_options(), "espalier_default_fit_options"));
+        const auto chosen =
+            c::fitOptions(c::optionsOrDefaults(options, espalier_default_fit_options(),
+                                               "espalier_default_fit_options",
+                                               offsetof(espalier_fit_options, move_held)),
+                          lattice->lattice);
         const auto fit = c::withRows(table, target_count, rows, "targets", [&](const auto& some) {
             // withRows() has checked the number of misses, so they can be read here.
             const auto wanted = c::positions(misses, some.rowCount(), "misses");
@@ -140,8 +152,11 @@ espalier_status espalier_pull_create(const espalier_lattice* lattice, int32_t ve
         const auto& table = *c::deref(deformation, "deformation").table;
         c::checkCount(vertex_count, complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
-        const auto chosen = c::pullOptions(c::optionsOrDefaults(
-            options, espalier_default_pull_options(), "espalier_default_pull_options"));
+        const auto chosen =
+            c::pullOptions(c::optionsOrDefaults(options, espalier_default_pull_options(),
+                                                "espalier_default_pull_options",
+                                                offsetof(espalier_pull_options, move_held)),
+                           lattice->lattice);
         return c::withRows(table, point_count, rows, "points", [&](const auto& some) {
             return new espalier_pull{solve::RigidPull(complex, rest, some, chosen), vertex_count};
         });

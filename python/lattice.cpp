@@ -5,6 +5,7 @@
 #include <espalier/io/formats.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/pose_file.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/transform.h>
 #include <pybind11/stl.h>
@@ -308,6 +309,10 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                                "Real numbers at the vertices, which are refined like the "
                                "positions: dict from names to arrays (V, k) of float64, read-only, "
                                "not copies.")
+        .def_property_readonly(
+            "held", [](const Lattice& self) { return toArray(shapes::heldVertices(self)); },
+            "The vertices that fit() and RigidPull keep in place, such as the outer vertices of a "
+            "collar, ascending: array of int32. They have a 1 in the integers named \"held\".")
         .def_property_readonly(
             "integers", &integersIn,
             "Integers at the vertices, which are never averaged: dict from names "

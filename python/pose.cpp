@@ -2,6 +2,7 @@
 #include <espalier/base/argument_error.h>
 #include <espalier/base/number_text.h>
 #include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
@@ -391,6 +392,25 @@ Returns weights, an array (V,): 1 for the vertices with a weight above 0 and for
 `steps` edges join to them. Below 0, the selection shrinks.
 
 weights : array (V,) of float from 0 to 1
+)");
+    module.def(
+        "without_held",
+        [](const Lattice& lattice, const std::optional<ArrayLike>& weights) {
+            std::vector<double> given(lattice.positions.size(), 1);
+            if (weights) {
+                const auto array = realArray<double>(*weights, "weights");
+                if (array.ndim() != 1)
+                    throw Error("weights has shape " + shapeText(array) +
+                                "; expected one number for each vertex");
+                given.assign(array.data(), array.data() + array.size());
+            }
+            return toArray(shapes::weightsWithHeld(lattice, given));
+        },
+        "lattice"_a, "weights"_a = py::none(), R"(
+Returns the weights with 0 for the vertices that the lattice holds (Lattice.held), so that no
+operation moves them.
+
+weights : array (V,) of float from 0 to 1 (1 for all)
 )");
     module.def(
         "border",

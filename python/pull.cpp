@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/rigid_pull.h>
 #include <pybind11/stl.h>
@@ -29,11 +30,12 @@ std::unique_ptr<Pull> makePull(const Lattice& lattice, const TableLike& deformat
                                const std::optional<ArrayLike>& rows,
                                const std::optional<ArrayLike>& frozen,
                                const std::optional<ArrayLike>& pins, double reach, double tolerance,
-                               int maxIterations) {
+                               int maxIterations, bool moveHeld) {
     const auto table = tableOf(deformation);
     solve::RigidPullOptions options{
         .reach = reach, .tolerance = tolerance, .maxIterations = maxIterations};
     if (frozen) options.frozen = toIndices(*frozen, "frozen");
+    if (!moveHeld) options.frozen = shapes::frozenWithHeld(lattice, options.frozen);
     if (pins) options.pins = toIndices(*pins, "pins");
     const auto chosen = rows ? toIndices(*rows, "rows") : std::vector<Index>();
     for (const Index row : chosen)
@@ -90,10 +92,11 @@ reach          : vertices that are farther from all pulled points than this part
 tolerance      : the iteration ends when no vertex moves by more than this part of the lattice's
                  diagonal
 max_iterations : 1 or more; for one frame of a drag 20 are enough
+move_held      : if True, the vertices that the lattice holds (Lattice.held) may move, too
 )")
         .def(py::init(&makePull), "lattice"_a, "deformation"_a, py::kw_only(),
              "rows"_a = py::none(), "frozen"_a = py::none(), "pins"_a = py::none(), "reach"_a = 0.5,
-             "tolerance"_a = 1e-6, "max_iterations"_a = 500)
+             "tolerance"_a = 1e-6, "max_iterations"_a = 500, "move_held"_a = false)
         .def_property_readonly(
             "fixed", [](const Pull& self) { return toArray(self.pull.fixedVertices()); },
             "The vertices that do not move, frozen ones and those beyond the reach, ascending: "

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/argument_error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/printable.h>
 #include <espalier/cages/cage.h>
+#include <espalier/cages/collar.h>
 #include <espalier/io/model.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
@@ -174,15 +176,27 @@ void addSolids(py::module_& module) {
                  "One cell with an apex on each side of a polygon of `sides` and `radius`.");
 }
 
+/// \param axis "x", "y" or "z"
+shapes::SymmetryPlane planeOf(const std::string& axis, double at) {
+    if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z')
+        throw ArgumentError("around", "symmetry", inQuotes(axis), "x, y or z");
+    return {axis[0] - 'x', at};
+}
+
 void addAround(py::module_& module) {
     using Cells = std::variant<int, std::array<int, 3>>;
     module.def(
         "around",
         [](const py::handle& points, const std::optional<Cells>& cells, double cellSize,
-           double margin, bool oriented) {
+           double margin, bool oriented, const std::optional<std::string>& symmetry,
+           double symmetryAt) {
             const auto places = toPoints(points, "points");
             shapes::AroundOptions options{
                 .cellSize = cellSize, .margin = margin, .oriented = oriented};
+            if (symmetry) options.symmetry = planeOf(*symmetry, symmetryAt);
+            if (!symmetry && symmetryAt != 0)
+                throw ArgumentError("around", "symmetry_at", espalier::textOf(symmetryAt),
+                                    "0 without the argument symmetry");
             if (cells && cells->index() == 0) options.cellsAlongLongest = std::get<0>(*cells);
             if (cells && cells->index() == 1) options.cells = std::get<1>(*cells);
             // Zeros would stand for the default.
@@ -191,7 +205,8 @@ void addAround(py::module_& module) {
             return sharedWithoutGil([&] { return shapes::around(places, options); });
         },
         "points"_a, py::kw_only(), "cells"_a = py::none(), "cell_size"_a = 0.0,
-        "margin"_a = shapes::AroundOptions().margin, "oriented"_a = false, R"(
+        "margin"_a = shapes::AroundOptions().margin, "oriented"_a = false,
+        "symmetry"_a = py::none(), "symmetry_at"_a = 0.0, R"(
 A box of hexahedra around the points of a model, which contains every point.
 
 points : (N, 3) array of float
@@ -202,6 +217,41 @@ margin : distance from the points to the sides of the box, as a fraction of the 
 around the points; doubled until rounding leaves no point outside
 oriented : if True, the box is turned so that its volume is smallest; otherwise its sides are
 parallel to the axes
+symmetry : "x", "y" or "z": faces of the box lie exactly in the plane across this axis, a side of the
+box if all points are on one side of the plane, else the middle
+symmetry_at : coordinate of that plane
+)");
+}
+
+void addCollar(py::module_& module) {
+    using Words = std::variant<std::string, std::vector<std::string>>;
+    module.def(
+        "collar",
+        [](const Lattice& lattice, int layers, double reach,
+           const std::optional<std::array<Point3, 2>>& until, const Words& open, int held) {
+            cages::CollarOptions options{
+                .layers = layers, .reach = reach, .until = until, .held = held};
+            const auto words =
+                open.index() == 0 ? std::vector{std::get<0>(open)} : std::get<1>(open);
+            for (const std::string& word : words) {
+                if (word.empty()) continue;
+                const auto sides = cages::sidesOf(word);
+                for (std::size_t side = 0; side < sides.size(); ++side)
+                    options.open[side] = options.open[side] || sides[side];
+            }
+            return sharedWithoutGil([&] { return cages::collar(lattice, options).lattice; });
+        },
+        "lattice"_a, py::kw_only(), "layers"_a = cages::CollarOptions().layers, "reach"_a = 0.0,
+        "until"_a = py::none(), "open"_a = "", "held"_a = 0, R"(
+A lattice with layers of cells around it, whose outer vertices are held (Lattice.held), so that
+motion fades out: C2 if two layers of vertices are held, C0 if one is. Vertices and cells of the
+lattice keep their numbers. No cell of the result is folded.
+
+lattice : Lattice; layers : layers of cells, 1 to 100
+reach : thickness of the collar, in the units of the lattice; or give `until`, (2, 3) float, the
+corners of a box to reach to, around a box along the axes
+open : sides without a collar: "z" for both ends of an axis, "+y", "-y"; or a list of such words
+held : number of outer layers of vertices that are held: two, or one if there is one layer of cells
 )");
 }
 
@@ -328,6 +378,7 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
 )");
     addAround(shapesModule);
     addCage(shapesModule);
+    addCollar(shapesModule);
     addRoundShapes(shapesModule);
     addJointedShapes(shapesModule);
     addSolids(shapesModule);

@@ -3,6 +3,7 @@
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/embed/nested_lattices.h>
+#include <espalier/shapes/held.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/design_variables.h>
 #include <espalier/solve/lattice_fit.h>
@@ -32,7 +33,7 @@ std::vector<Index> indicesOf(const std::optional<ArrayLike>& indices, const char
 solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, const ArrayLike& misses,
                       const std::optional<ArrayLike>& rows, const std::string& smoothing,
                       double strength, const std::optional<ArrayLike>& frozen,
-                      const std::string& undetermined) {
+                      const std::string& undetermined, bool moveHeld) {
     const auto table = tableOf(deformation);
     const auto chosenRows = indicesOf(rows, "rows");
     for (const Index row : chosenRows)
@@ -44,6 +45,7 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
     options.strength = strength;
     options.frozen = indicesOf(frozen, "frozen");
+    if (!moveHeld) options.frozen = shapes::frozenWithHeld(lattice, options.frozen);
     options.undetermined = chosen(solve::kUndeterminedWords, "undetermined", undetermined);
     return withoutGil([&] {
         if (!rows) return solve::fitLattice(*table, wanted, lattice.complex, options);
@@ -129,7 +131,7 @@ void addFit(py::module_& module) {
             "float; inf if the targets do not determine all displacements.");
     module.def("fit", &fit, "lattice"_a, "deformation"_a, "misses"_a, py::kw_only(),
                "rows"_a = py::none(), "smoothing"_a = "none", "strength"_a = 1e-3,
-               "frozen"_a = py::none(), "undetermined"_a = "smallest", R"(
+               "frozen"_a = py::none(), "undetermined"_a = "smallest", "move_held"_a = false, R"(
 Finds displacements of a lattice that move points to given targets, by least squares. Returns a
 LatticeFit.
 
@@ -143,6 +145,7 @@ strength     : weight of the smoothing, 1e-4 to 1e4; with 1 it counts about as m
 frozen       : array of int: lattice vertices that must not move
 undetermined : if the targets do not determine all vertices: "smallest" takes the smallest
                displacements, "refuse" raises an error
+move_held    : if True, the vertices that the lattice holds (Lattice.held) may move, too
 )");
 }
 

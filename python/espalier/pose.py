@@ -30,4 +30,5 @@ __all__ = [
     "select_numbers",
     "taper",
     "twist",
+    "without_held",
 ]

@@ -10,6 +10,7 @@ __all__ = [
     "bipyramid",
     "box",
     "cage",
+    "collar",
     "cube",
     "cylinder",
     "dodecahedron",

@@ -17,6 +17,8 @@ def around(
     cell_size: float = 0.0,
     margin: float = 0.05,
     oriented: bool = False,
+    symmetry: Literal["x", "y", "z"] | None = None,
+    symmetry_at: float = 0.0,
 ) -> Lattice: ...
 def cage(
     model: Model | Sequence[Model] | ArrayLike,
@@ -29,6 +31,15 @@ def cage(
     keep_apart: bool = False,
     symmetric: Literal["auto", "none", "x", "y", "z", "xy", "xz", "yz", "xyz"] = "auto",
     symmetry: float = 1e-4,
+) -> Lattice: ...
+def collar(
+    lattice: Lattice,
+    *,
+    layers: int = 3,
+    reach: float = 0.0,
+    until: Sequence[Sequence[float]] | None = None,
+    open: str | Sequence[str] = "",
+    held: int = 0,
 ) -> Lattice: ...
 def cylinder(
     *,

@@ -415,6 +415,19 @@ static void test_inventory(void) {
         const double odd[6] = {0, 0, 0, 4, 2, doubles[i]};
         record(espalier_lattice_create_around(2, odd, NULL, &made_lattice));
     }
+    static const int32_t counts[3] = {2, 1, 1};
+    static const double low[3] = {0, 0, 0}, high[3] = {2, 1, 1};
+    espalier_lattice* base = NULL;
+    OK(espalier_lattice_create_box(counts, low, high, &base));
+    TRY_SHAPE(collar, espalier_lattice_create_collar(base, &options, &made_lattice), layers, 2,
+              reach, 1);
+    espalier_collar_options of_collar = espalier_default_collar_options();
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double box[6] = {-1, -1, -1, 4, 4, doubles[i]};
+        of_collar.until = box;
+        record(espalier_lattice_create_collar(base, &of_collar, &made_lattice));
+    }
+    espalier_lattice_destroy(base);
     static const int64_t offsets[2] = {0, 3};
     static const int32_t triangle[3] = {0, 1, 2};
     /* Small, so that cells of the size 0.1 are few. */
@@ -542,6 +555,7 @@ static void test_selections_along_cells(void) {
         REFUSES(espalier_select_near(lattice, odd, positions, point, 1, NULL, values));
         REFUSES(espalier_select_along_cells(lattice, odd, positions, 0, NULL, NULL, values));
         REFUSES(espalier_selection_grow(lattice, odd, 1, values));
+        REFUSES(espalier_lattice_held_weights(lattice, odd, values));
         REFUSES(espalier_selection_border(lattice, odd, positions, values, &section));
     }
     for (size_t i = 0; i < COUNT(lengths); ++i)

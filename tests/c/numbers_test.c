@@ -91,6 +91,21 @@ static void test_shapes(void) {
     FINITE(around.margin, "margin: expected",
            espalier_lattice_create_around(2, points, &around, &made));
 
+    around.symmetry_axis = 0;
+    FINITE(around.symmetry_at, "symmetry_at: expected",
+           espalier_lattice_create_around(2, points, &around, &made));
+
+    espalier_lattice* base = NULL;
+    OK(espalier_lattice_create_box(counts, low, high, &base));
+    espalier_collar_options collar = espalier_default_collar_options();
+    collar.reach = 1;
+    FINITE(collar.reach, "reach: expected", espalier_lattice_create_collar(base, &collar, &made));
+    double box[6] = {-1, -1, -1, 4, 4, 4};
+    collar.reach = 0;
+    collar.until = box;
+    FINITE(box[4], "until", espalier_lattice_create_collar(base, &collar, &made));
+    espalier_lattice_destroy(base);
+
     double radius = 1, height = 1, from[3] = {0, 0, 0}, to[3] = {0, 0, 1};
 #define CYLINDER espalier_lattice_create_cylinder(4, 1, 0, 1, radius, from, to, &made)
     FINITE(radius, "radius: expected", CYLINDER);

@@ -292,7 +292,56 @@ static void test_solids(void) {
     CHECK(l == NULL);
 }
 
+static void test_collar(void) {
+    const int32_t cells[3] = {2, 2, 2};
+    const double low[3] = {0, 0, 0}, high[3] = {2, 2, 2};
+    const double box[6] = {-5, -6, -7, 8, 9, 10};
+    espalier_lattice *base = NULL, *l = NULL;
+    OK(espalier_lattice_create_box(cells, low, high, &base));
+    espalier_collar_options options = espalier_default_collar_options();
+    options.layers = 2;
+    options.reach = 1;
+    OK(espalier_lattice_create_collar(base, &options, &l));
+    CHECK(largest(l, 0) == 3);
+    double weights[7 * 7 * 7];
+    for (int i = 0; i < 343; ++i) weights[i] = 0.5;
+    OK(espalier_lattice_held_weights(l, 343, weights));
+    /* The 27 vertices of the box are the first ones, and all others are held. */
+    for (int i = 0; i < 343; ++i) CHECK(weights[i] == (i < 27 ? 0.5 : 0));
+    INVALID(espalier_lattice_held_weights(l, 342, weights), "343");
+    check_counts(&l, 343, 216);
+    options.reach = 0;
+    options.until = box;
+    OK(espalier_lattice_create_collar(base, &options, &l));
+    CHECK(largest(l, 2) == 10);
+    check_counts(&l, 343, 216);
+    options.open[4] = options.open[5] = 1;
+    OK(espalier_lattice_create_collar(base, &options, &l));
+    check_counts(&l, 7 * 7 * 3, 6 * 6 * 2);
+    INVALID(espalier_lattice_create_collar(base, NULL, &l), "reach: expected a length above 0");
+    options.layers = 0;
+    INVALID(espalier_lattice_create_collar(base, &options, &l), "layers: expected 1 to 100, got 0");
+    INVALID(espalier_lattice_create_collar(NULL, &options, &l), "lattice is null");
+    espalier_lattice_destroy(base);
+}
+
+static void test_symmetry(void) {
+    const double points[6] = {0, 0, 0, 1, 2, 3};
+    espalier_lattice* l = NULL;
+    espalier_around_options options = espalier_default_around_options();
+    options.symmetry_axis = 1;
+    options.symmetry_at = 2;
+    OK(espalier_lattice_create_around(2, points, &options, &l));
+    CHECK(largest(l, 1) == 2 && largest(l, 0) > 1);
+    espalier_lattice_destroy(l);
+    l = NULL;
+    options.symmetry_axis = 3;
+    INVALID(espalier_lattice_create_around(2, points, &options, &l), "symmetry");
+}
+
 int main(void) {
+    test_collar();
+    test_symmetry();
     test_torus();
     test_star();
     test_barbell();

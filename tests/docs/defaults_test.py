@@ -19,6 +19,7 @@ STRUCTS = {
              ("bind/bind.h", "BindOptions")],
     "around": [("shapes/around.h", "AroundOptions")],
     "cage": [("cages/cage.h", "CageOptions")],
+    "collar": [("cages/collar.h", "CollarOptions")],
     "torus": [("shapes/inventory.h", "TorusOptions")],
     "star": [("shapes/inventory.h", "StarOptions")],
     "barbell": [("shapes/inventory.h", "BarbellOptions")],
@@ -30,7 +31,7 @@ STRUCTS = {
 IN_PYTHON = {"refine": ("__init__.pyi", r"class Refiner:\s+def __init__"), "bind": ("__init__.pyi", "def bind"),
              "fit": ("__init__.pyi", "def fit"),
              "pull": ("__init__.pyi", r"class RigidPull:\s+def __init__")} | {
-    shape: ("shapes.pyi", "def " + shape) for shape in ("around", "cage", "torus", "star", "barbell", "arm")}
+    shape: ("shapes.pyi", "def " + shape) for shape in ("around", "cage", "collar", "torus", "star", "barbell", "arm")}
 # Python's default of these is None, which stands for the default of the library.
 NONE_IN_PYTHON = {"boundary", "creasing", "triangles", "cells", "gradients"}
 

@@ -256,8 +256,9 @@ def test_the_inventory_is_valid(name):
     box = espalier.shapes.box()
     arguments = {"merge": [[box, box.transformed(np.eye(3), (1, 0, 0))]],
                  "around": [box.positions],
+                 "collar": [espalier.shapes.box()],
                  "cage": [box.positions, box.faces]}
-    lattice = shape(*arguments.get(name, []))
+    lattice = shape(*arguments.get(name, []), **({"reach": 1.0} if name == "collar" else {}))
     refined = espalier.refine(lattice)
     assert refined.counts[3] >= 4
     check = espalier.ValidityCheck(lattice, 1)

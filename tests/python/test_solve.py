@@ -6,6 +6,43 @@ import scipy.sparse
 import espalier
 
 
+def test_held_vertices_stay_in_fits_pulls_and_poses():
+    box = espalier.shapes.box((2, 2, 2), (0, 0, 0), (2, 2, 2))
+    lattice = espalier.shapes.collar(box, layers=2, reach=1.0)
+    np.testing.assert_array_equal(lattice.positions[:27], box.positions)
+    assert len(lattice.held) == 7**3 - 27 and lattice.held.min() == 27
+    assert len(box.held) == 0
+    deformation = espalier.bind(lattice, [[0.2, 0.2, 0.2], [1, 1, 1.2]])
+    misses = [[0, 0, 0.1], [0, 0.1, 0]]
+    free = espalier.fit(lattice, deformation, misses, move_held=True)
+    assert np.any(free.displacements[lattice.held] != 0)
+    pull = espalier.RigidPull(lattice, deformation)
+    for found in (espalier.fit(lattice, deformation, misses), pull.solve(misses)):
+        assert np.all(found.displacements[lattice.held] == 0)
+        assert np.any(found.displacements != 0)
+    assert set(lattice.held) <= set(pull.fixed)
+    every = espalier.RigidPull(lattice, deformation, reach=1.0, move_held=True)
+    assert len(every.fixed) == 0
+    weights = espalier.pose.without_held(lattice)
+    assert np.flatnonzero(weights == 0).tolist() == lattice.held.tolist()
+    half = espalier.pose.without_held(lattice, np.full(343, 0.5))
+    np.testing.assert_array_equal(half, weights / 2)
+
+
+def test_collars_and_planes_of_symmetry():
+    box = espalier.shapes.box((2, 2, 2), (0, 0, 0), (2, 2, 2))
+    collar = espalier.shapes.collar(box, layers=1, until=[(-1, -2, -3), (4, 5, 6)], open=["z", "-x"])
+    assert collar.positions.min(axis=0).tolist() == [0, -2, 0]
+    assert collar.positions.max(axis=0).tolist() == [4, 5, 2]
+    with pytest.raises(ValueError, match="open: expected an axis"):
+        espalier.shapes.collar(box, reach=1.0, open="up")
+    points = [[0, 0, 0], [1, 2, 3]]
+    assert espalier.shapes.around(points, symmetry="y").positions[:, 1].min() == 0
+    assert espalier.shapes.around(points, symmetry="z", symmetry_at=3.0).positions[:, 2].max() == 3
+    with pytest.raises(ValueError, match="symmetry: expected x, y or z"):
+        espalier.shapes.around(points, symmetry="up")
+
+
 def test_fitting_finds_the_pose_back(rest, points, binding, pose):
     fit = espalier.fit(rest, binding, binding.deform(pose) - points)
     # The tolerance is the condition number times the rounding of the sums.
