@@ -12,13 +12,16 @@
 #include <span>
 #include <string>
 
-// cages/ makes lattices that follow the shape of a model.
+// cages/ makes lattices that follow the shape of a model, and collars around lattices.
 //
-// Its one public function takes the faces of a model and returns a Lattice. Inside, the steps are
-// files: model_surface.h makes one surface of the faces, model_voxels.h finds the solid,
-// grid_cells.h chooses cells of a grid with the topology of the solid, and fit_cage.h moves their
-// vertices until the boundary follows the model, and proves the result. cage.cpp searches for the
-// size and place of the grid. docs/cages.md describes the methods and has measured results.
+// cage() takes the faces of a model and returns a Lattice. Inside, the steps are files:
+// model_surface.h makes one surface of the faces, model_voxels.h finds the solid, grid_cells.h
+// chooses cells of a grid with the topology of the solid, and fit_cage.h moves their vertices until
+// the boundary follows the model, and proves the result. cage.cpp searches for the size and place
+// of the grid. docs/cages.md describes the methods and has measured results.
+//
+// collar() (collar.h) adds cells around a lattice: collar_grid.h around a box, collar_extrusion.h
+// around others; untangle.h removes folds.
 namespace espalier::cages {
 
 /// The faces of a model: any polygons, in any order, wound in any way. They may intersect, leave

@@ -33,8 +33,9 @@ ESPALIER_API std::array<bool, 6> sidesInPlane(const Lattice& lattice, int axis, 
 /// Options of collar(). Either `reach` or `until` is set.
 struct CollarOptions {
     int layers = 3;  ///< layers of cells, 1 to 100
-    double reach =
-        0;  ///< thickness of the collar, above 0, in the units of the lattice; 0: not set
+
+    /// Thickness of the collar, above 0, in the units of the lattice; 0: not set.
+    double reach = 0;
 
     /// Two opposite corners of a box with sides along the axes, around the lattice: the collar
     /// reaches to its sides. Only for a box lattice whose sides face the directions of the axes.
@@ -46,9 +47,9 @@ struct CollarOptions {
     /// its plane.
     std::array<bool, 6> open = {};
 
-    /// Number of outer layers of vertices that are held. 0: two, or one if there is one layer of
-    /// cells. More than `layers` are not held. Places in a Bézier or B-spline basis need three for
-    /// C².
+    /// Number of outer layers of vertices that are held, at most `layers`. 0: two, or one if there
+    /// is one layer of cells. Two give C² under subdivision; in an evenly divided box with a Bézier
+    /// or B-spline basis, three would.
     int held = 0;
 };
 
@@ -85,7 +86,7 @@ struct Collar {
 /// stays one tricubic spline. Where its faces are parallel to the axes, so are the new ones. Around
 /// other lattices, and around a box that no larger box surrounds without folds, each boundary face
 /// gets one prism per layer. Three cells then meet at a convex edge of the lattice, and five at a
-/// concave one, so that the limit is C¹ there only, instead of C². The faces are moved outwards
+/// concave one, where second derivatives may not exist. The faces are moved outwards
 /// along the directions that all faces around a vertex see best, less far where other parts of the
 /// lattice face them; an optimization of the shapes of the cells removes folds (untangle.h).
 ///

@@ -150,9 +150,9 @@ namespace {
 std::string optionOf(const std::string& field) {
     // The options that have other words than the field.
     static const std::map<std::string, std::string> kOthers = {
-        {"cellSize", "size"}, {"cellsAlongLongest", "cells"},
-        {"frozen", "freeze"}, {"gridCells", "grid"},
-        {"joints", "joint"},  {"limitTolerance", "tolerance"}};
+        {"cellSize", "size"},           {"cellsAlongLongest", "cells"}, {"frozen", "freeze"},
+        {"gridCells", "grid"},          {"symmetryAt", "symmetry"},     {"joints", "joint"},
+        {"limitTolerance", "tolerance"}};
     const auto other = kOthers.find(field);
     return "--" + (other != kOthers.end() ? other->second : separated(field, '-'));
 }

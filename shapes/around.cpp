@@ -39,7 +39,7 @@ void check(std::span<const Point3> points, const AroundOptions& options) {
     const auto& [axis, at] = *options.symmetry;
     if (axis < 0 || axis > 2)
         throw ArgumentError("around", "symmetry", std::to_string(axis), "axis 0, 1 or 2");
-    if (at) requireFinite("around", "symmetry", *at);
+    if (at) requireFinite("around", "symmetryAt", *at);
     if (options.oriented)
         throw ArgumentError("around", "symmetry", std::string(1, kAxisNames[axis]),
                             "a box along the axes, without the option ", {"oriented", ""});
@@ -56,7 +56,7 @@ double planeOf(const SymmetryPlane& symmetry, const BoundingBox& bounds) {
     const double near = kAroundTolerance * bounds.diagonal();
     if (at < bounds.min[axis] - near || at > bounds.max[axis] + near)
         throw ArgumentError(
-            "around", "symmetry", concat(kAxisNames[axis], " = ", textOf(at)),
+            "around", "symmetryAt", concat(kAxisNames[axis], " = ", textOf(at)),
             concat("a plane that the model reaches to, from ", kAxisNames[axis], " = ",
                    textOf(bounds.min[axis]), " to ", textOf(bounds.max[axis])));
     return at;

@@ -46,6 +46,10 @@ std::vector<double> weightsWithHeld(const Lattice& lattice, std::span<const doub
     if (!weights.empty() && weights.size() != lattice.positions.size())
         throw Error(concat("there are ", weights.size(), " weights; expected one for each of the ",
                            lattice.positions.size(), " vertices"));
+    for (std::size_t vertex = 0; vertex < weights.size(); ++vertex)
+        if (!(weights[vertex] >= 0 && weights[vertex] <= 1))
+            throw Error(
+                concat("weights[", vertex, "] is ", textOf(weights[vertex]), "; expected 0 to 1"));
     std::vector<double> result(weights.begin(), weights.end());
     const std::vector<Index> held = heldVertices(lattice);
     if (held.empty()) return result;

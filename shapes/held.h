@@ -30,7 +30,7 @@ ESPALIER_API void setHeldVertices(Lattice& lattice, std::span<const Index> verti
 /// Returns weights for the operations of pose.h, with the weight 0 for held vertices.
 /// \param weights one per vertex; empty: 1 for all
 /// \return empty if `weights` is empty and no vertex is held
-/// \throws Error for a wrong number of weights
+/// \throws Error for a wrong number of weights, and for a weight that is not from 0 to 1
 ESPALIER_API std::vector<double> weightsWithHeld(const Lattice& lattice,
                                                  std::span<const double> weights = {});
 

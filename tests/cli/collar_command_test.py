@@ -5,6 +5,8 @@
     collar_command_test.py PATH_OF_ESPALIER
 """
 
+import math
+import random
 import sys
 import unittest
 
@@ -70,6 +72,63 @@ class Collar(CliTest):
         positions = self.positions("collar.ovm")
         self.assertEqual([min(p[a] for p in positions) for a in range(3)], [-1, 0, 0])
         self.assertEqual([max(p[a] for p in positions) for a in range(3)], [3, 3, 1])
+
+    def test_cells_of_a_boundary_layer_keep_their_height_under_a_rotation(self):
+        # An ellipse of chord 1; cells at it are 0.01 long and 1e-6 high: an aspect ratio of 10,000.
+        count, height = 240, 1e-6
+        wall, above = [], []
+        for i in range(count):
+            t = 2 * math.pi * i / count
+            x, y = 0.5 + 0.5 * math.cos(t), 0.06 * math.sin(t)
+            nx, ny = 0.06 * math.cos(t), 0.5 * math.sin(t)
+            size = math.hypot(nx, ny)
+            wall.append((x, y, 0))
+            above.append((x + height * nx / size, y + height * ny / size, 0))
+        self.write_model(wall + above, "layer.obj")
+        self.run_program("shape", "around", "layer.obj", "--cells", 6, 2, 1, "--collar", 5, "--reach", 2,
+                         "--open", "z", "-o", "rest.ovm")
+        # The body and the first layer of the collar turn by 10 degrees.
+        self.run_program("pose", "rest.ovm", "--select", "box", -0.3, -0.3, -9, 1.3, 0.3, 9,
+                         "--falloff", "smooth", 2, "--center", 0.5, 0, 0, "--rotate", "z", 10,
+                         "-o", "turned.ovm")
+        self.deform("layer.obj", "rest.ovm", "turned.ovm", "--limit", out="turned.obj")
+        points = self.read_points("turned.obj")
+        self.assertGreater(math.dist(points[0], wall[0]), 0.08)
+        for i in range(count):
+            before, here, after = points[i - 1], points[i], points[(i + 1) % count]
+            along = [b - a for a, b in zip(before, after)]
+            way = [b - a for a, b in zip(here, points[count + i])]
+            normal_height = abs(along[0] * way[1] - along[1] * way[0]) / math.hypot(*along[:2])
+            self.assertAlmostEqual(normal_height / height, 1, delta=0.02)
+
+    def test_points_in_a_plane_of_symmetry_stay_in_it(self):
+        random.seed(3)
+        model = [(random.uniform(0, 3), 0.0, random.uniform(0, 1)) for _ in range(200)]
+        model += [(random.uniform(0, 3), random.uniform(0, 2), random.uniform(0, 1)) for _ in range(50)]
+        self.write_model(model, "half.obj")
+        self.run_program("shape", "around", "half.obj", "--symmetry", "y", "--collar", 2, "--reach", 1,
+                         "-o", "rest.ovm")
+
+        def in_planes(p):
+            return tuple(x + random.uniform(-0.05, 0.05) * (axis != 1) for axis, x in enumerate(p))
+
+        def in_plane(p):
+            # Vertices in the plane move in it; the others move anywhere.
+            return tuple(x + random.uniform(-0.05, 0.05) * (axis != 1 or p[1] != 0)
+                         for axis, x in enumerate(p))
+
+        self.write_pose("across.ovm", "rest.ovm", in_planes)
+        self.write_pose("anywhere.ovm", "rest.ovm", in_plane)
+        for options in ([], ["-n", 1], ["--limit"]):
+            self.deform("half.obj", "rest.ovm", "across.ovm", *options, out="moved.obj")
+            points = self.read_points("moved.obj")
+            self.assertEqual([p[1] for p in points], [p[1] for p in model], options)
+            self.assertNotEqual(points[0][0], model[0][0])
+            # The place of a point across the plane is 0 up to rounding, 1e-16 of a cell, and so are the
+            # weights of the vertices outside the plane, which move by 0.05.
+            self.deform("half.obj", "rest.ovm", "anywhere.ovm", *options, out="moved.obj")
+            points = self.read_points("moved.obj")
+            self.assertLess(max(abs(p[1]) for p in points[:200]), 1e-17, options)
 
     def test_refuses_wrong_options(self):
         for options, message in (

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/argument_error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
@@ -117,8 +118,7 @@ std::vector<double> coordinates(const Lattice& lattice, std::size_t axis) {
     std::vector<double> values;
     for (const Point3& position : lattice.positions) values.push_back(position[axis]);
     std::ranges::sort(values);
-    const auto end = std::ranges::unique(values);
-    values.erase(end.begin(), end.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
 }
 

@@ -40,6 +40,8 @@ TEST(Held, VerticesGetNoWeight) {
         EXPECT_EQ(moved[v] == lattice.positions[v], v == 1 || v == 6) << v;
     EXPECT_REFUSED(Error, "there are 3 weights",
                    weightsWithHeld(lattice, std::vector<double>(3, 1.0)));
+    EXPECT_REFUSED(Error, "weights[0] is 1.5; expected 0 to 1",
+                   weightsWithHeld(lattice, std::vector<double>(8, 1.5)));
 }
 
 TEST(Held, VerticesAreFrozenInFits) {
