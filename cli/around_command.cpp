@@ -75,7 +75,7 @@ void runAround(const AroundCommandOptions& options) {
     Stages& stages = job.stages();
     const std::vector<Point3> points = readPoints(options, stages);
     double margin = shape.margin;
-    const auto [lattice, collar] = ofFile(options.models.front(), [&] {
+    const WithCollar made = ofFile(options.models.front(), [&] {
         Lattice box =
             stages.run("building", [&] { return shapes::around(points, shape, &margin); });
         std::array<bool, 6> open = {};
@@ -83,12 +83,12 @@ void runAround(const AroundCommandOptions& options) {
             open = cages::sidesInPlane(box, shape.symmetry->axis, shape.symmetry->at.value_or(0));
         return withCollar(std::move(box), options.collar, stages, open);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
     if (options.common.quiet) return;
     fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
-               lattice.complex.count(0), lattice.complex.count(3), points.size());
+               made.lattice.complex.count(0), made.lattice.complex.count(3), points.size());
     if (margin != shape.margin) fmt::print(", with the margin widened to {:.2g}", margin);
-    fmt::print("{}\n", collar);
+    fmt::print("{}\n", made.text);
 }
 
 }  // namespace

@@ -46,18 +46,18 @@ void runCage(const CageCommandOptions& options) {
         points.insert(points.end(), model->positions().begin(), model->positions().end());
     }
     cages::ModelSymmetry symmetry;
-    const auto [lattice, collar] = ofFile(options.models.front(), [&] {
+    const WithCollar made = ofFile(options.models.front(), [&] {
         Lattice cage = stages.run("building", [&] {
             return cages::cage({points, faces.corners, faces.ends}, options.cage, &symmetry);
         });
         return withCollar(std::move(cage), options.collar, stages);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
     if (options.common.quiet) return;
     const std::string text = cages::symmetryText(symmetry);
     fmt::print("{}: {} vertices, {} cells{}{}{}\n", printable(options.output),
-               lattice.complex.count(0), lattice.complex.count(3), text.empty() ? "" : "; ", text,
-               collar);
+               made.lattice.complex.count(0), made.lattice.complex.count(3),
+               text.empty() ? "" : "; ", text, made.text);
 }
 
 }  // namespace

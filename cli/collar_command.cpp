@@ -42,13 +42,13 @@ void runCollar(const CollarOfLattice& options) {
             {{"LATTICE", options.lattice}, {"--until-model", options.collar.untilModel}});
     job.writesLattice(options.output);
     Stages& stages = job.stages();
-    const auto [lattice, text] = ofFile(options.lattice, [&] {
+    const WithCollar made = ofFile(options.lattice, [&] {
         return withCollar(readLattice(options.lattice, stages), options.collar, stages);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
     if (!options.common.quiet)
         fmt::print("{}: {} vertices, {} cells{}\n", printable(options.output),
-                   lattice.complex.count(0), lattice.complex.count(3), text);
+                   made.lattice.complex.count(0), made.lattice.complex.count(3), made.text);
 }
 
 }  // namespace
