@@ -20,7 +20,7 @@
 namespace espalier::shapes {
 namespace {
 
-constexpr char kAxisNames[] = {'x', 'y', 'z'};
+constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 void check(std::span<const Point3> points, const AroundOptions& options) {
     if (points.empty()) throw Error("there are no points");
@@ -41,7 +41,7 @@ void check(std::span<const Point3> points, const AroundOptions& options) {
         throw ArgumentError("around", "symmetry", std::to_string(axis), "axis 0, 1 or 2");
     if (at) requireFinite("around", "symmetryAt", *at);
     if (options.oriented)
-        throw ArgumentError("around", "symmetry", std::string(1, kAxisNames[axis]),
+        throw ArgumentError("around", "symmetry", kAxisNames[axis],
                             "a box along the axes, without the option ", {"oriented", ""});
 }
 
