@@ -17,6 +17,8 @@ export interface PullOptions {
   tolerance?: number;
   /** default 500; for one frame of a drag 20 are enough */
   maxIterations?: number;
+  /** true: the vertices that the lattice holds, such as the outer ones of a collar, may move, too; default false */
+  moveHeld?: boolean;
 }
 
 export interface Pulled {

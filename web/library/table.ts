@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sparse matrices, and their products with positions.
 
-import { choice, countPoints, integer, integers, numbers, options as object, real } from "./arguments.ts";
+import { choice, countPoints, flag, integer, integers, numbers, options as object, real } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { Evaluator } from "./evaluator.ts";
 import type { Lattice } from "./lattice.ts";
@@ -24,6 +24,8 @@ export interface FitOptions {
   strength?: number;
   /** vertices that do not move */
   frozen?: ArrayLike<number>;
+  /** true: the vertices that the lattice holds, such as the outer ones of a collar, may move, too; default false */
+  moveHeld?: boolean;
 }
 
 export interface Fit {
@@ -82,7 +84,12 @@ export class Table extends Handle {
     const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
     const { core } = this.library;
     const vertexCount = lattice.counts()[0];
-    const { smoothing = "none", strength = 1e-3, frozen = [] } = object("options", options);
+    const {
+      smoothing = "none",
+      strength = 1e-3,
+      frozen = [],
+      moveHeld = false,
+    } = object("options", options);
     integers("frozen", frozen);
     return this.library.scoped((scope) => {
       const displacements = scope.allocate(24 * vertexCount);
@@ -101,6 +108,7 @@ export class Table extends Handle {
           ["f64", real("strength", strength)],
           ["i64", frozen.length],
           ["pointer", scope.integers(frozen)],
+          ["i32", flag("moveHeld", moveHeld)],
         ]),
         vertexCount,
         displacements,
@@ -134,6 +142,7 @@ export class Table extends Handle {
       reach = 0.5,
       tolerance = 1e-6,
       maxIterations = 500,
+      moveHeld = false,
     } = object("options", options);
     integers("frozen", frozen);
     integers("pins", pins);
@@ -155,6 +164,7 @@ export class Table extends Handle {
           ["f64", real("reach", reach)],
           ["f64", real("tolerance", tolerance)],
           ["i32", integer("maxIterations", maxIterations)],
+          ["i32", flag("moveHeld", moveHeld)],
         ]),
       );
       return new Pull(this.library, pointer, vertexCount, rows.length);
