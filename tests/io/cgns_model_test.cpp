@@ -54,13 +54,14 @@ TEST(CgnsModel, HasTheCellsAndFacesOfAllZones) {
         writeSample(folder / "a.cgns", storage);
         const auto model = readModel(folder / "a.cgns", readFile(folder / "a.cgns"));
         const ModelVolume volume = model->readVolume();
-        EXPECT_EQ(volume.curvedCells, 1);
-        ASSERT_EQ(volume.mesh.cellCount(), 2 + 2 + 1);
+        EXPECT_EQ(volume.curvedCells, 0);
+        ASSERT_EQ(volume.mesh.cellCount(), 2 + 2 + 1 + 1);
         EXPECT_EQ(volume.mesh.kind(0), far::StandardCell::Hexahedron);
         EXPECT_EQ(volume.mesh.kind(2), far::StandardCell::Pyramid);
         EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
-        EXPECT_EQ(volume.mesh.kind(4), std::nullopt);
-        EXPECT_EQ(volume.mesh.faces(4).size(), 4u);
+        EXPECT_TRUE(volume.mesh.isSecondOrder(4));
+        EXPECT_EQ(volume.mesh.kind(5), std::nullopt);
+        EXPECT_EQ(volume.mesh.faces(5).size(), 4u);
         EXPECT_EQ(volume.mesh.internalFaceCount(), 1);  // In the grid.
         const ModelFaces faces = model->readSurface().faces;
         ASSERT_EQ(faces.count(), 1u);
