@@ -37,7 +37,7 @@ void runCage(const CageCommandOptions& options) {
         const auto model = readModel(path, options.common, stages);
         io::ModelFaces own = model->readSurface().faces;
         // The mesh of a volume may have cells only.
-        if (own.count() == 0) own = io::boundaryFaces(model->readVolume().mesh);
+        if (own.count() == 0) own = io::boundaryFaces(model->readCells().volume);
         if (own.count() == 0)
             throw io::FileError(path,
                                 "has no faces, so that it bounds no solid; make a box around "

@@ -267,9 +267,9 @@ void runDeform(const DeformOptions& options) {
     const bool isChecked = !options.common.quiet || options.mesh.isRequired();
     std::optional<MeshCheck> check;
     if (isChecked) {
-        io::ModelVolume volume = readVolume(*model, stages);
+        io::ModelCells cells = readCells(*model, stages);
         orWarning(options, "cells not checked: ", [&] {
-            check.emplace(options.model, *model, std::move(volume), options.output,
+            check.emplace(options.model, *model, std::move(cells), options.output,
                           options.poses.size(), stages);
         });
     }
@@ -332,7 +332,7 @@ void runApply(const DeformOptions& options) {
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
     if (options.mesh.isRequired())
-        check.emplace(options.model, *model, readVolume(*model, stages), options.output,
+        check.emplace(options.model, *model, readCells(*model, stages), options.output,
                       options.poses.size(), stages);
     const MeshReports meshes =
         writePoses({*model, bound.binding, turnsDirections(*model, bound.binding, options)},

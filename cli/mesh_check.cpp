@@ -20,9 +20,6 @@
 namespace espalier::cli {
 namespace {
 
-constexpr std::array<const char*, 7> kKindNames = {
-    "tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra", "triangles", "quadrilaterals"};
-
 template <class Value>
 OrderedJson valueOrNull(const std::optional<Value>& value) {
     return value ? OrderedJson(value->value) : OrderedJson(nullptr);
@@ -75,7 +72,9 @@ void addMeshOptions(CLI::App& command, MeshOptions& options) {
             ->group(group);
     command
         .add_flag("--largest-step", options.largestStep,
-                  "Of a mesh with cells: go only as far towards the pose as no cell is inverted")
+                  "Of a mesh with cells: go only as far towards the pose as no cell is inverted. "
+                  "Patches that "
+                  "the pose breaks are broken by a share of it, too")
         ->group(group)
         ->excludes(none);
     addChoice<solve::Criterion>(
@@ -85,49 +84,43 @@ void addMeshOptions(CLI::App& command, MeshOptions& options) {
         ->group(group);
 }
 
-io::ModelVolume readVolume(const io::Model& model, Stages& stages) {
+io::ModelCells readCells(const io::Model& model, Stages& stages) {
     return stages.run("reading", [&] {
         stages.addBytes(0);  // The bytes of the file have been counted.
-        return model.readVolume();
+        return model.readCells();
     });
 }
 
+std::string countsText(std::span<const io::ElementCount> counts, Index secondOrder) {
+    std::string text;
+    for (const auto& [count, name] : counts)
+        if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+    if (secondOrder > 0) text += fmt::format("; {} of second order", secondOrder);
+    return text;
+}
+
+OrderedJson toJson(std::span<const io::ElementCount> counts) {
+    OrderedJson json = OrderedJson::object();
+    for (const auto& [count, name] : counts) json[name] = count;
+    return json;
+}
+
 MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
-                     io::ModelVolume volume, const std::filesystem::path& output,
+                     io::ModelCells cells, const std::filesystem::path& output,
                      std::size_t poseCount, Stages& stages)
     : path_(path),
       output_(output),
-      isOpenFoam_(volume.isOpenFoam),
-      unchecked_(io::uncheckedElements(volume)) {
-    if (volume.count() == 0) return;
-    auto patches = stages.run("reading", [&] {
-        stages.addBytes(0);
-        return model.readPatches();
-    });
-    for (const far::MeshPatch& patch : patches) patches_.emplace_back(patch.name, patch.type);
+      isOpenFoam_(cells.isOpenFoam),
+      unchecked_(io::uncheckedElements(cells)) {
+    if (cells.cellCount() == 0) return;
     stages.run("checking cells", [&] {
-        const far::VolumeMesh& mesh = volume.mesh;
-        for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
-            constexpr std::size_t kPolyhedron = 4;
-            const auto kind = mesh.kind(cell);
-            ++kinds_[kind ? static_cast<std::size_t>(*kind) : kPolyhedron];
-            secondOrder_ += mesh.isSecondOrder(cell) ? 1 : 0;
-        }
-        const far::SurfaceMesh& surface = volume.surface;
-        for (Index face = 0; face < surface.faceCount(); ++face) {
-            constexpr std::size_t kTriangle = 5, kQuadrilateral = 6;
-            ++kinds_[surface.corners(face).size() == 3 ? kTriangle : kQuadrilateral];
-            secondOrder_ += surface.isSecondOrder(face) ? 1 : 0;
-        }
         const bool isAnimation = io::isAnimation(output, poseCount);
         const auto stored = [&model, output, isAnimation](std::vector<Point3> points) {
             return isAnimation ? io::storedInAnimation(output, model, std::move(points))
                                : model.stored(std::move(points));
         };
         check_ = ofFile(path, [&] {
-            return solve::MeshCheck({std::move(volume.mesh), std::move(volume.surface),
-                                     std::move(patches), volume.isOpenFoam, stored},
-                                    model.positions());
+            return solve::MeshCheck(std::move(cells), model.positions(), {isOpenFoam_, stored});
         });
     });
 }
@@ -151,7 +144,7 @@ solve::MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::stri
 }
 
 std::string MeshCheck::cellName() const {
-    return isSurface() ? "face" : "cell";
+    return check_->mesh().isSurface() ? "face" : "cell";
 }
 
 std::string MeshCheck::solverName() const {
@@ -159,15 +152,16 @@ std::string MeshCheck::solverName() const {
 }
 
 std::string MeshCheck::patchText(const solve::PatchDeviation& deviation) const {
-    const auto& [name, type] = patches_[deviation.patch];
-    const char* means = deviation.constraint == solve::Constraint::Plane
-                            ? "leaves its plane or its mirror image"
+    const far::MeshPatch& patch = check_->mesh().patches[deviation.patch];
+    const char* means = !deviation.isFromImage ? "leaves its plane"
+                        : deviation.constraint == solve::Constraint::Plane
+                            ? "is no longer the mirror image of the other wedge: it is off"
                         : deviation.constraint == solve::Constraint::Sides
-                            ? "leaves its planes, or its opposite points part,"
+                            ? "no longer has opposite points: they are apart"
                             : "is no longer the image of its partner: it is off";
-    return fmt::format("the patch {}{} {} by {:.3g}, point {}", printable(name),
-                       type.empty() ? "" : " (" + printable(type) + ")", means, deviation.distance,
-                       deviation.point);
+    return fmt::format("the patch {}{} {} by {:.3g}, point {}", printable(patch.name),
+                       patch.type.empty() ? "" : " (" + printable(patch.type) + ")", means,
+                       deviation.distance, deviation.point);
 }
 
 void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::string& pose,
@@ -186,12 +180,12 @@ void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::strin
             check_->solverErrors(verdict.whole), shareText(verdict.solverStep, 6)));
     const auto& inverted = verdict.validity.inverted;
     if (!inverted.empty())
-        throw FailedCheck(
-            fmt::format("{0}: this pose turns {1} of {2} {3}s of {4} inside out, the first {3} "
-                        "{5}; nothing was "
-                        "written. --largest-step goes {6} of the way",
-                        io::shownPath(pose), inverted.size(), check_->cellCount(), cellName(),
-                        io::shownPath(path_), inverted.front(), shareText(verdict.step.length, 6)));
+        throw FailedCheck(fmt::format(
+            "{0}: this pose turns {1} of {2} {3}s of {4} inside out, the first {3} "
+            "{5}; nothing was "
+            "written. --largest-step goes {6} of the way",
+            io::shownPath(pose), inverted.size(), check_->mesh().cellCount(), cellName(),
+            io::shownPath(path_), inverted.front(), shareText(verdict.step.length, 6)));
     const auto& before = check_->qualityAtRest().nonPositiveVolumes;
     const Index first = *std::ranges::find_if_not(
         verdict.whole.nonPositiveVolumes,
@@ -206,7 +200,7 @@ void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::strin
 void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose) const {
     for (const solve::PatchDeviation& deviation : verdict.patches)
         if (deviation.isBroken)
-            printError(fmt::format("warning: in {}, {}. --no-inverted writes nothing",
+            printError(fmt::format("warning: in {}, {}. --no-inverted refuses it",
                                    io::shownPath(pose), patchText(deviation))
                            .c_str());
     const auto& inverted = verdict.validity.inverted;
@@ -219,19 +213,9 @@ void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose)
         fmt::format("warning: {0} turns {1} of {2} {3}s of the mesh inside out, the first {3} "
                     "{4}. --largest-step goes as far as no {3} is inverted, {5} of the way ({6}); "
                     "--no-inverted writes nothing",
-                    io::shownPath(pose), inverted.size(), check_->cellCount(), cellName(),
+                    io::shownPath(pose), inverted.size(), check_->mesh().cellCount(), cellName(),
                     inverted.front(), shareText(verdict.step.length, 6), ofSolver)
             .c_str());
-}
-
-std::string MeshCheck::kindsText() const {
-    std::string text;
-    for (std::size_t kind = 0; kind < kinds_.size(); ++kind)
-        if (kinds_[kind] > 0)
-            text +=
-                fmt::format("{}{} {}", text.empty() ? "" : ", ", kinds_[kind], kKindNames[kind]);
-    if (secondOrder_ > 0) text += fmt::format("; {} of second order", secondOrder_);
-    return text;
 }
 
 std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string& pose) const {
@@ -243,7 +227,9 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     const solve::PoseValidity& validity = verdict.validity;
     const solve::LargestStep& step = verdict.step;
     line("mesh of {}\n", io::shownPath(pose));
-    if (hasCells()) line("  {:<17} {}\n", cellName() + "s", kindsText());
+    if (hasCells())
+        line("  {:<17} {}\n", cellName() + "s",
+             countsText(io::cellCounts(check_->mesh()), io::secondOrderCount(check_->mesh())));
     for (const auto& [count, name] : unchecked_) line("  not checked       {} {}\n", count, name);
     if (!hasCells()) return text;
     const std::string cell = cellName();
@@ -265,15 +251,26 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
              kept, verdict.patches.size());
     for (const std::size_t patch : check_->patchesBrokenAtRest())
         line("  not checked       the patch {}, which breaks its constraint at rest\n",
-             printable(patches_[patch].first));
-    const char* measure = isSurface() ? "area" : "volume";
+             printable(check_->mesh().patches[patch].name));
+    const char* measure = check_->mesh().isSurface() ? "area" : "volume";
     if (validity.smallest)
         line("  worst ratio       {:.3g} ({} in the pose : at rest), {} {}\n",
              validity.smallest->value, measure, cell, validity.smallest->cell);
+    if (validity.comparesNeighbours) {
+        line(
+            "  compared          with neighbouring faces, since the mesh is no plane that stays "
+            "one; "
+            "steps are not proved\n");
+        if (const Index isolated = check_->validity().isolatedFaces(); isolated > 0)
+            line("  not checked       {} faces that share no point with others\n", isolated);
+    }
     if (step.limitingCell)
         line("  largest step      {}{} of the pose inverts no {}; then {} {} {}\n",
-             step.isTight ? "" : "at least ", shareText(step.length), cell, cell,
-             *step.limitingCell, step.isTight ? "folds" : "may fold");
+             step.isTight || validity.comparesNeighbours ? "" : "at least ", shareText(step.length),
+             cell, cell, *step.limitingCell,
+             step.isTight || validity.comparesNeighbours ? "folds" : "may fold");
+    else if (validity.comparesNeighbours)
+        line("  largest step      1: the whole pose inverts no {}\n", cell);
     else
         line("  largest step      1: no share of the pose inverts a {}\n", cell);
     if (const Index errors = check_->solverErrors(verdict.whole); errors > 0)
@@ -283,16 +280,16 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
         line("  for {:<13} 0 errors in the whole pose\n", solverName());
     if (verdict.written < 1)
         line("  written           {} of the pose\n", shareText(verdict.written));
-    line("  quality               before      after\n");
+    line("  quality                before      after\n");
     const auto row = [&line](const char* name, const std::string& before, const std::string& now,
                              const char* meaning) {
-        line("    {:<18} {:>9}  {:>9}  {}\n", name, before, now, meaning);
+        line("    {:<19} {:>9}  {:>9}  {}\n", name, before, now, meaning);
     };
     const solve::MeshQuality &before = check_->qualityAtRest(), &after = verdict.quality;
     row("scaled Jacobian", valueText(before.smallestScaledJacobian),
         valueText(after.smallestScaledJacobian), "at least");
-    if (isSurface()) {
-        row("areas below 0", std::to_string(before.nonPositiveVolumes.size()),
+    if (check_->mesh().isSurface()) {
+        row("areas not above 0", std::to_string(before.nonPositiveVolumes.size()),
             std::to_string(after.nonPositiveVolumes.size()), "faces");
         return text;
     }
@@ -301,7 +298,7 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     row("  its mean", fmt::format("{:.4g}", before.meanNonOrthogonality),
         fmt::format("{:.4g}", after.meanNonOrthogonality), "degrees");
     row("skewness", valueText(before.largestSkewness), valueText(after.largestSkewness), "at most");
-    row("volumes below 0", std::to_string(before.nonPositiveVolumes.size()),
+    row("volumes not above 0", std::to_string(before.nonPositiveVolumes.size()),
         std::to_string(after.nonPositiveVolumes.size()), "cells, by OpenFOAM's formula");
     row("pyramids below 0", std::to_string(before.negativePyramids),
         std::to_string(after.negativePyramids), "sides of faces, as checkMesh counts them");
@@ -309,23 +306,21 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
 }
 
 OrderedJson MeshCheck::toJson(const solve::MeshVerdict& verdict, const std::string& pose) const {
-    OrderedJson cells = OrderedJson::object();
-    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) cells[kKindNames[kind]] = kinds_[kind];
+    const far::SimulationMesh none, &mesh = hasCells() ? check_->mesh() : none;
     OrderedJson json = {{"pose", pose},
-                        {"cells", cells},
-                        {"second_order", secondOrder_},
-                        {"not_checked", OrderedJson::object()}};
-    for (const auto& [count, name] : unchecked_) json["not_checked"][name] = count;
+                        {"cells", cli::toJson(io::cellCounts(mesh))},
+                        {"second_order", io::secondOrderCount(mesh)},
+                        {"not_checked", cli::toJson(unchecked_)}};
     if (!hasCells()) return json;
     OrderedJson patches = OrderedJson::array(), broken = OrderedJson::array();
     for (const solve::PatchDeviation& deviation : verdict.patches)
-        patches.push_back({{"name", patches_[deviation.patch].first},
-                           {"type", patches_[deviation.patch].second},
+        patches.push_back({{"name", mesh.patches[deviation.patch].name},
+                           {"type", mesh.patches[deviation.patch].type},
                            {"distance", deviation.distance},
                            {"point", deviation.point},
                            {"broken", deviation.isBroken}});
     for (const std::size_t patch : check_->patchesBrokenAtRest())
-        broken.push_back(patches_[patch].first);
+        broken.push_back(mesh.patches[patch].name);
     json["patches"] = std::move(patches);
     json["patches_not_checked"] = std::move(broken);
     const auto& smallest = verdict.validity.smallest;

@@ -5,11 +5,10 @@
 #include <espalier/solve/mesh_check.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "run.h"
@@ -31,25 +30,31 @@ void addMeshOptions(CLI::App& command, MeshOptions& options);
 
 /// Reads the cells of a model in the stage "reading".
 /// \throws Error if the file of the model, or a file beside it, is broken
-io::ModelVolume readVolume(const io::Model& model, Stages& stages);
+io::ModelCells readCells(const io::Model& model, Stages& stages);
+
+/// Returns numbers above 0 as text: "12 tetrahedra, 3 wedges; 12 of second order".
+std::string countsText(std::span<const io::ElementCount> counts, Index secondOrder);
+
+/// Returns an object of the names and numbers.
+OrderedJson toJson(std::span<const io::ElementCount> counts);
 
 /// The cells of a model, and its points at rest.
 class MeshCheck {
 public:
     /// Measures the cells in the stage "checking cells".
     /// \param path of the model, for messages
-    /// \param volume the cells of the model
+    /// \param cells the cells of the model
     /// \param output the file that will hold the poses, in its own format or as an animation
     /// \param poseCount number of poses that are written
     /// \throws FileError if the coordinates are too large to check
-    MeshCheck(const std::filesystem::path& path, const io::Model& model, io::ModelVolume volume,
+    MeshCheck(const std::filesystem::path& path, const io::Model& model, io::ModelCells cells,
               const std::filesystem::path& output, std::size_t poseCount, Stages& stages);
 
     /// False if the model has no cells that can be checked.
     bool hasCells() const { return check_.has_value(); }
 
     /// The elements that are not checked.
-    const std::vector<io::UncheckedElements>& unchecked() const { return unchecked_; }
+    const std::vector<io::ElementCount>& unchecked() const { return unchecked_; }
 
     /// Checks a pose in the stage "checking cells". With --largest-step, moves `points` back
     /// towards rest until the pose is valid.
@@ -101,19 +106,14 @@ public:
     OrderedJson toJson(const solve::MeshVerdict& verdict, const std::string& pose) const;
 
 private:
-    std::string kindsText() const;
-    bool isSurface() const { return kinds_[5] + kinds_[6] > 0; }
     std::string cellName() const;
     std::string solverName() const;
     std::string patchText(const solve::PatchDeviation& deviation) const;
 
     std::filesystem::path path_;
     std::filesystem::path output_;
-    std::array<Index, 7> kinds_ = {};  ///< tetrahedra to hexahedra, polyhedra, triangles, quads
-    Index secondOrder_ = 0;
     bool isOpenFoam_ = false;
-    std::vector<io::UncheckedElements> unchecked_;
-    std::vector<std::pair<std::string, std::string>> patches_;  ///< their names and types
+    std::vector<io::ElementCount> unchecked_;
     std::optional<solve::MeshCheck> check_;
 };
 

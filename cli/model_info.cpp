@@ -9,12 +9,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "mesh_check.h"
 
 namespace espalier::cli {
 namespace {
@@ -103,49 +103,30 @@ std::string namesText(const char* label, const std::vector<std::string>& names) 
     return text + "\n";
 }
 
-constexpr const char* kCellKinds[] = {"tetrahedra", "pyramids",  "wedges",        "hexahedra",
-                                      "polyhedra",  "triangles", "quadrilaterals"};
-
-/// Adds the cells of a mesh, its patches and its quality to a report, if the model is a mesh:
+/// Adds the cells of a mesh, its patches and its quality to a report:
 ///
 ///     cells          {tetrahedra, pyramids, wedges, hexahedra, polyhedra, triangles,
-///                    quadrilaterals, second_order, not_checked}: their numbers
-///     patches        [{name, type, faces, points}]
+///                    quadrilaterals}: their numbers
+///     second_order   how many of these are of second order
+///     not_checked    {name: number} of the elements that are none of these
+///     patches        [{name, type, faces, points}]; their names are the groups of the model
 ///     quality        {scaled_jacobian, non_orthogonality, skewness, smallest_volume,
 ///                    non_positive_volumes}: null where nothing has the measure
-void addMesh(nlohmann::json& report, const io::Model& model) {
-    const io::ModelVolume volume = model.readVolume();
-    if (volume.count() == 0) return;
-    std::array<Index, std::size(kCellKinds)> kinds{};
-    Index secondOrder = 0, unchecked = 0;
-    for (Index cell = 0; cell < volume.mesh.cellCount(); ++cell) {
-        constexpr std::size_t kPolyhedron = 4;
-        const auto kind = volume.mesh.kind(cell);
-        ++kinds[kind ? static_cast<std::size_t>(*kind) : kPolyhedron];
-        secondOrder += volume.mesh.isSecondOrder(cell) ? 1 : 0;
-    }
-    for (Index face = 0; face < volume.surface.faceCount(); ++face) {
-        constexpr std::size_t kTriangle = 5, kQuadrilateral = 6;
-        ++kinds[volume.surface.corners(face).size() == 3 ? kTriangle : kQuadrilateral];
-        secondOrder += volume.surface.isSecondOrder(face) ? 1 : 0;
-    }
-    for (const auto& elements : io::uncheckedElements(volume)) unchecked += elements.count;
-    nlohmann::json cells = {{"second_order", secondOrder}, {"not_checked", unchecked}};
-    for (std::size_t kind = 0; kind < kinds.size(); ++kind) cells[kCellKinds[kind]] = kinds[kind];
+void addMesh(nlohmann::json& report, const io::Model& model, const io::ModelCells& cells) {
     nlohmann::json patches = nlohmann::json::array();
-    for (const far::MeshPatch& patch : model.readPatches())
+    for (const far::MeshPatch& patch : cells.patches)
         patches.push_back({{"name", patch.name},
                            {"type", patch.type},
-                           {"faces", patch.faces.offsets.size() - 1},
+                           {"faces", patch.faceCount()},
                            {"points", patch.points.size()}});
     const auto points = model.positions();
-    const solve::MeshQuality quality = volume.mesh.cellCount() > 0
-                                           ? solve::meshQuality(volume.mesh, points)
-                                           : solve::surfaceQuality(volume.surface, points, points);
+    const solve::MeshQuality quality = solve::meshQuality(cells, points, points);
     const auto valueOf = [](const auto& value) {
         return value ? nlohmann::json(value->value) : nlohmann::json(nullptr);
     };
-    report["cells"] = std::move(cells);
+    report["cells"] = cli::toJson(io::cellCounts(cells));
+    report["second_order"] = io::secondOrderCount(cells);
+    report["not_checked"] = cli::toJson(io::uncheckedElements(cells));
     report["patches"] = std::move(patches);
     report["quality"] = {{"scaled_jacobian", valueOf(quality.smallestScaledJacobian)},
                          {"non_orthogonality", valueOf(quality.largestNonOrthogonality)},
@@ -155,17 +136,13 @@ void addMesh(nlohmann::json& report, const io::Model& model) {
 }
 
 std::string meshText(const nlohmann::json& report) {
-    std::string kinds;
-    const auto& cells = report["cells"];
-    for (const char* kind : kCellKinds)
-        if (const auto count = cells[kind].get<Index>(); count > 0)
-            kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-    std::string text = fmt::format("cells       {}", kinds);
-    if (const auto count = cells["second_order"].get<Index>(); count > 0)
-        text += fmt::format("; {} of second order", count);
-    if (const auto count = cells["not_checked"].get<Index>(); count > 0)
-        text += fmt::format("; {} further elements, which are not checked", count);
-    text += "\n";
+    // The JSON has the names in alphabetical order.
+    std::vector<io::ElementCount> counts = io::cellCounts({});
+    for (auto& [count, name] : counts) count = report["cells"][name].get<Index>();
+    std::string text =
+        fmt::format("cells       {}\n", countsText(counts, report["second_order"].get<Index>()));
+    for (const auto& [name, count] : report["not_checked"].items())
+        text += fmt::format("not checked {} {}\n", count.get<Index>(), name);
     for (const auto& patch : report["patches"]) {
         const auto type = patch["type"].get<std::string>();
         text += fmt::format("patch       {}{}: {} faces, {} points\n",
@@ -177,13 +154,17 @@ std::string meshText(const nlohmann::json& report) {
         const auto& value = report["quality"][key];
         return value.is_null() ? std::string("none") : fmt::format("{:.4g}", value.get<double>());
     };
+    const bool isSurface =
+        report["cells"]["triangles"].get<Index>() + report["cells"]["quadrilaterals"].get<Index>() >
+        0;
     return text + fmt::format(
-                      "quality     scaled Jacobian at least {}, non-orthogonality at most "
-                      "{}, skewness at most {}\n"
-                      "            smallest volume {}, not above 0 in {} cells\n",
+                      "quality     scaled Jacobian at least {}, non-orthogonality at most {}, "
+                      "skewness at most {}\n"
+                      "            smallest {} {}, not above 0 in {} {}\n",
                       measure("scaled_jacobian"), measure("non_orthogonality"), measure("skewness"),
-                      measure("smallest_volume"),
-                      report["quality"]["non_positive_volumes"].get<std::size_t>());
+                      isSurface ? "area" : "volume", measure("smallest_volume"),
+                      report["quality"]["non_positive_volumes"].get<std::size_t>(),
+                      isSurface ? "faces" : "cells");
 }
 
 }  // namespace
@@ -196,6 +177,7 @@ std::string boundsText(const BoundingBox& box) {
 
 nlohmann::json reportModel(const std::string& path, const io::Model& model) {
     const io::ModelFaces faces = model.readSurface().faces;
+    const io::ModelCells cells = model.readCells();
     const Surface surface = surfaceOf(faces, model.positions().size());
     const BoundingBox box(model.positions());
     nlohmann::json report = {{"model", path},
@@ -211,10 +193,11 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                              {"size", box.size()},
                              {"diagonal", box.diagonal()},
                              {"attributes", io::namesOf(model.attributes())},
-                             {"groups", io::namesOf(model.groups())},
+                             {"groups", cells.patches.empty() ? io::namesOf(model.groups())
+                                                              : io::namesOf(cells.patches)},
                              {"notes", model.notes()},
                              {"precision", nameOf(model.storage())}};
-    addMesh(report, model);
+    if (cells.cellCount() > 0) addMesh(report, model, cells);
     if (model.extension() == ".stl") {
         // Each facet has corners of its own; those at one place are one point of the surface.
         report["distinct_points"] = model.positions().size() - surface.pointsInNoFace;
@@ -244,8 +227,10 @@ std::string modelText(const nlohmann::json& report) {
     text += boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()});
     text += fmt::format("precision   {}\n", report["precision"].get<std::string>());
     if (report.contains("cells")) text += meshText(report);
-    for (const char* key : {"attributes", "groups"})
-        text += namesText(key, report[key].get<std::vector<std::string>>());
+    text += namesText("attributes", report["attributes"].get<std::vector<std::string>>());
+    // The patches of a mesh are its groups.
+    if (!report.contains("cells") || report["patches"].empty())
+        text += namesText("groups", report["groups"].get<std::vector<std::string>>());
     return text;
 }
 

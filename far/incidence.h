@@ -18,6 +18,19 @@ template <class T>
 struct Rows {
     Array<Offset> offsets = {0};
     Array<T> values;
+
+    std::size_t count() const { return offsets.size() - 1; }
+    bool empty() const { return count() == 0; }
+
+    std::span<const T> operator[](std::size_t row) const {
+        return {values.data() + offsets[row], values.data() + offsets[row + 1]};
+    }
+
+    /// Adds a row.
+    void push(std::span<const T> row) {
+        values.insert(values.end(), row.begin(), row.end());
+        offsets.push_back(static_cast<Offset>(values.size()));
+    }
 };
 
 /// Builds rows in parallel: fill(row, out) appends the values of `row` to `out`.

@@ -9,32 +9,30 @@
 namespace espalier::far {
 namespace {
 
-template <class... Corners>
-constexpr CornerBits at(Corners... corners) {
-    return static_cast<CornerBits>(((1u << corners) | ...));
-}
-
 // The points of second order follow the corners. Each table has the larger number of points of a
 // kind; the smaller number is a prefix of it.
 constexpr std::array<CornerBits, 10> kTetrahedron = {
-    at(0), at(1), at(2), at(3), at(0, 1), at(1, 2), at(2, 0), at(0, 3), at(1, 3), at(2, 3)};
+    between(0),    between(1),    between(2),    between(3),    between(0, 1),
+    between(1, 2), between(2, 0), between(0, 3), between(1, 3), between(2, 3)};
 constexpr std::array<CornerBits, 14> kPyramid = {
-    at(0),    at(1),    at(2),    at(3),    at(4),    at(0, 1), at(1, 2),
-    at(2, 3), at(3, 0), at(0, 4), at(1, 4), at(2, 4), at(3, 4), at(0, 1, 2, 3)};
+    between(0),    between(1),    between(2),    between(3),         between(4),
+    between(0, 1), between(1, 2), between(2, 3), between(3, 0),      between(0, 4),
+    between(1, 4), between(2, 4), between(3, 4), between(0, 1, 2, 3)};
 constexpr std::array<CornerBits, 18> kWedge = {
-    at(0),    at(1),    at(2),    at(3),          at(4),          at(5),
-    at(0, 1), at(1, 2), at(2, 0), at(3, 4),       at(4, 5),       at(5, 3),
-    at(0, 3), at(1, 4), at(2, 5), at(0, 1, 4, 3), at(1, 2, 5, 4), at(2, 0, 3, 5)};
+    between(0),          between(1),          between(2),         between(3),    between(4),
+    between(5),          between(0, 1),       between(1, 2),      between(2, 0), between(3, 4),
+    between(4, 5),       between(5, 3),       between(0, 3),      between(1, 4), between(2, 5),
+    between(0, 1, 4, 3), between(1, 2, 5, 4), between(2, 0, 3, 5)};
 constexpr std::array<CornerBits, 27> kHexahedron = {
-    at(0),          at(1),          at(2),
-    at(3),          at(4),          at(5),
-    at(6),          at(7),          at(0, 1),
-    at(1, 2),       at(2, 3),       at(3, 0),
-    at(4, 5),       at(5, 6),       at(6, 7),
-    at(7, 4),       at(0, 4),       at(1, 5),
-    at(2, 6),       at(3, 7),       at(0, 4, 7, 3),
-    at(1, 2, 6, 5), at(0, 1, 5, 4), at(3, 7, 6, 2),
-    at(0, 3, 2, 1), at(4, 5, 6, 7), at(0, 1, 2, 3, 4, 5, 6, 7)};
+    between(0),          between(1),          between(2),
+    between(3),          between(4),          between(5),
+    between(6),          between(7),          between(0, 1),
+    between(1, 2),       between(2, 3),       between(3, 0),
+    between(4, 5),       between(5, 6),       between(6, 7),
+    between(7, 4),       between(0, 4),       between(1, 5),
+    between(2, 6),       between(3, 7),       between(0, 4, 7, 3),
+    between(1, 2, 6, 5), between(0, 1, 5, 4), between(3, 7, 6, 2),
+    between(0, 3, 2, 1), between(4, 5, 6, 7), between(0, 1, 2, 3, 4, 5, 6, 7)};
 
 /// Returns the corners of the mirror image of a cell: corner i of the image is corner result[i].
 std::array<std::size_t, 8> mirroredCorners(StandardCell kind) {

@@ -20,6 +20,12 @@ namespace espalier::far {
 /// cell, all corners have their bits.
 using CornerBits = std::uint8_t;
 
+/// Returns the bits of some corners: between(0, 1) is the middle of the edge from corner 0 to 1.
+template <class... Corners>
+constexpr CornerBits between(Corners... corners) {
+    return static_cast<CornerBits>(((1u << corners) | ...));
+}
+
 /// Returns the kind of a cell by its number of points. Of first order: 4, 5, 6, 8, as
 /// vertexCount(). Of second order:
 ///

@@ -26,8 +26,7 @@ void SurfaceMesh::addFace(std::span<const Index> points) {
             throw TopologyError(
                 TopologyCause::VertexOutOfRange, {2, face},
                 concat("face ", face, " names point ", point, "; there are ", pointCount_));
-    faces_.values.insert(faces_.values.end(), points.begin(), points.end());
-    faces_.offsets.push_back(static_cast<Offset>(faces_.values.size()));
+    faces_.push(points);
 }
 
 }  // namespace espalier::far

@@ -9,6 +9,13 @@
 
 namespace espalier::far {
 
+/// Returns the corners of a triangle or a quadrilateral of first or second order: the first 3 or 4
+/// points.
+/// \param points 3 or 6 of a triangle; 4, 8 or 9 of a quadrilateral
+inline std::span<const Index> cornersOfFace(std::span<const Index> points) {
+    return points.first(points.size() == 3 || points.size() == 6 ? 3 : 4);
+}
+
 /// The triangles and quadrilaterals of a mesh of a surface, or of a plane. It has no positions.
 class ESPALIER_API SurfaceMesh {
 public:
@@ -23,19 +30,13 @@ public:
     void addFace(std::span<const Index> points);
 
     Index pointCount() const { return pointCount_; }
-    Index faceCount() const { return static_cast<Index>(faces_.offsets.size() - 1); }
+    Index faceCount() const { return static_cast<Index>(faces_.count()); }
 
     /// Returns all points of a face.
-    std::span<const Index> points(Index face) const {
-        return {faces_.values.data() + faces_.offsets[face],
-                faces_.values.data() + faces_.offsets[face + 1]};
-    }
+    std::span<const Index> points(Index face) const { return faces_[face]; }
 
     /// Returns the corners of a face: 3 or 4 points.
-    std::span<const Index> corners(Index face) const {
-        const auto all = points(face);
-        return all.first(all.size() == 3 || all.size() == 6 ? 3 : 4);
-    }
+    std::span<const Index> corners(Index face) const { return cornersOfFace(points(face)); }
 
     /// Returns true if a face has points between its corners, so that its edges may be curved.
     bool isSecondOrder(Index face) const { return points(face).size() > 4; }

@@ -27,20 +27,6 @@ struct VolumeMesh::Data {
 
 namespace {
 
-std::size_t rowCount(const Rows<Index>& rows) {
-    return rows.offsets.size() - 1;
-}
-
-std::span<const Index> rowOf(const Rows<Index>& rows, Index row) {
-    const Offset begin = rows.offsets[row];
-    return {rows.values.data() + begin, rows.values.data() + rows.offsets[row + 1]};
-}
-
-void appendRow(Rows<Index>& rows, std::span<const Index> values) {
-    rows.values.insert(rows.values.end(), values.begin(), values.end());
-    rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
-}
-
 Index checkedCount(std::size_t count, const char* what) {
     if (std::cmp_greater(count, kMaxIndex))
         throw TopologyError(
@@ -177,18 +163,18 @@ struct CellLoops {
     const Rows<Index>& loopsOfCells;
 
     std::size_t count(Index cell) const {
-        const auto kind = kindOfCell(rowOf(points, cell).size());
-        return kind ? faceLoops(*kind).size() : rowOf(loopsOfCells, cell).size();
+        const auto kind = kindOfCell(points[cell].size());
+        return kind ? faceLoops(*kind).size() : loopsOfCells[cell].size();
     }
 
     void read(const HalfFace& half, std::vector<Index>& loop) const {
-        const auto ofCell = rowOf(points, half.cell);
+        const auto ofCell = points[half.cell];
         if (const auto kind = kindOfCell(ofCell.size())) {
             const std::vector<Index>& places = faceLoops(*kind)[half.number];
             loop.resize(places.size());
             for (std::size_t i = 0; i < places.size(); ++i) loop[i] = ofCell[places[i]];
         } else {
-            const auto ofFace = rowOf(loops, rowOf(loopsOfCells, half.cell)[half.number]);
+            const auto ofFace = loops[loopsOfCells[half.cell][half.number]];
             loop.assign(ofFace.begin(), ofFace.end());
         }
     }
@@ -292,15 +278,15 @@ VolumeMesh::VolumeMesh() : data_(std::make_shared<Data>()) {}
 
 VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
                        std::vector<Index> owners, std::vector<Index> neighbours) {
-    const Index faceCount = checkedCount(rowCount(faces), "faces");
-    if (owners.size() != rowCount(faces) || neighbours.size() > owners.size())
+    const Index faceCount = checkedCount(faces.count(), "faces");
+    if (owners.size() != faces.count() || neighbours.size() > owners.size())
         throw Error(concat("got ", owners.size(), " owners and ", neighbours.size(),
                            " neighbours of ", faceCount, " faces"));
     auto data = std::make_shared<Data>();
     data->pointCount = pointCount;
     for (Index face = 0; face < faceCount; ++face) {
         checkCancelledEvery(face, 14);
-        const auto loop = rowOf(faces, face);
+        const auto loop = faces[face];
         if (loop.size() < 3)
             throw TopologyError(TopologyCause::TooFewVertices, {2, face},
                                 concat("face ", face, " has fewer than 3 points"));
@@ -334,9 +320,8 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
     for (Index cell = 0; cell < cellCount; ++cell) {
         checkCancelledEvery(cell, 12);
         CornerFinder finder;
-        for (const Index face : rowOf(ofCells, cell))
-            finder.add(rowOf(faces, face), owners[face] == cell);
-        appendRow(data->points, finder.find());
+        for (const Index face : ofCells[cell]) finder.add(faces[face], owners[face] == cell);
+        data->points.push(finder.find());
     }
     data->faces = std::move(faces);
     data->owners = std::move(owners);
@@ -349,7 +334,7 @@ Index VolumeMesh::pointCount() const {
 }
 
 Index VolumeMesh::cellCount() const {
-    return static_cast<Index>(rowCount(data_->points));
+    return static_cast<Index>(data_->points.count());
 }
 
 Index VolumeMesh::faceCount() const {
@@ -361,7 +346,7 @@ Index VolumeMesh::internalFaceCount() const {
 }
 
 std::span<const Index> VolumeMesh::face(Index face) const {
-    return rowOf(data_->faces, face);
+    return data_->faces[face];
 }
 
 Index VolumeMesh::owner(Index face) const {
@@ -373,7 +358,7 @@ Index VolumeMesh::neighbour(Index face) const {
 }
 
 std::span<const Index> VolumeMesh::faces(Index cell) const {
-    return rowOf(data_->facesOfCells, cell);
+    return data_->facesOfCells[cell];
 }
 
 std::optional<StandardCell> VolumeMesh::kind(Index cell) const {
@@ -381,7 +366,7 @@ std::optional<StandardCell> VolumeMesh::kind(Index cell) const {
 }
 
 std::span<const Index> VolumeMesh::points(Index cell) const {
-    return rowOf(data_->points, cell);
+    return data_->points[cell];
 }
 
 std::span<const Index> VolumeMesh::corners(Index cell) const {
@@ -410,8 +395,8 @@ Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> point
             TopologyCause::TooFewVertices, {3, cell},
             concat("cell ", cell, " has ", points.size(), " points; expected ", vertexCount(kind)));
     checkPoints(points, cell);
-    appendRow(points_, points);
-    appendRow(loopsOfCells_, {});
+    points_.push(points);
+    loopsOfCells_.push({});
     return cell;
 }
 
@@ -426,11 +411,11 @@ Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
         checkPoints(loop, cell);
     }
     for (const std::vector<Index>& loop : loops) {
-        rows.push_back(static_cast<Index>(rowCount(loops_)));
-        appendRow(loops_, loop);
+        rows.push_back(static_cast<Index>(loops_.count()));
+        loops_.push(loop);
     }
-    appendRow(points_, {});
-    appendRow(loopsOfCells_, rows);
+    points_.push({});
+    loopsOfCells_.push(rows);
     return cell;
 }
 
@@ -457,7 +442,7 @@ VolumeMesh VolumeMeshBuilder::build() {
             if ((mate != half) != internal || mate < half) continue;
             loops.read(halves[half], loop);
             faceOfHalf[half] = static_cast<Index>(data->owners.size());
-            appendRow(data->faces, loop);
+            data->faces.push(loop);
             data->owners.push_back(halves[half].cell);
             if (!internal) continue;
             faceOfHalf[mate] = faceOfHalf[half];

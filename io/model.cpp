@@ -129,14 +129,37 @@ void ModelSurface::replaceFaces(
     faceMaterials = std::move(newMaterials);
 }
 
-std::vector<UncheckedElements> uncheckedElements(const ModelVolume& volume) {
-    std::vector<UncheckedElements> all = {
-        {volume.curvedCells, "cells of third order and above or of an unknown order of points"},
-        {volume.curvedFaces, "faces of third order and above or of an unknown order of points"},
-        {volume.polygons, "faces with more than 4 corners"},
-        {volume.facesBeside, "faces of surfaces that are no faces of cells"},
-        {volume.unknownElements, "elements of unknown types"}};
-    std::erase_if(all, [](const UncheckedElements& elements) { return elements.count == 0; });
+std::vector<ElementCount> cellCounts(const far::SimulationMesh& mesh) {
+    constexpr std::size_t kPolyhedra = 4, kTriangles = 5, kQuadrilaterals = 6;
+    std::vector<ElementCount> counts = {{0, "tetrahedra"},    {0, "pyramids"},  {0, "wedges"},
+                                        {0, "hexahedra"},     {0, "polyhedra"}, {0, "triangles"},
+                                        {0, "quadrilaterals"}};
+    for (Index cell = 0; cell < mesh.volume.cellCount(); ++cell) {
+        const auto kind = mesh.volume.kind(cell);
+        ++counts[kind ? static_cast<std::size_t>(*kind) : kPolyhedra].count;
+    }
+    for (Index face = 0; face < mesh.surface.faceCount(); ++face)
+        ++counts[mesh.surface.corners(face).size() == 3 ? kTriangles : kQuadrilaterals].count;
+    return counts;
+}
+
+Index secondOrderCount(const far::SimulationMesh& mesh) {
+    Index count = 0;
+    for (Index cell = 0; cell < mesh.volume.cellCount(); ++cell)
+        count += mesh.volume.isSecondOrder(cell) ? 1 : 0;
+    for (Index face = 0; face < mesh.surface.faceCount(); ++face)
+        count += mesh.surface.isSecondOrder(face) ? 1 : 0;
+    return count;
+}
+
+std::vector<ElementCount> uncheckedElements(const ModelCells& cells) {
+    std::vector<ElementCount> all = {
+        {cells.curvedCells, "cells of third order and above or of an unknown order of points"},
+        {cells.curvedFaces, "faces of third order and above or of an unknown order of points"},
+        {cells.polygons, "faces with more than 4 corners"},
+        {cells.facesBeside, "faces of surfaces that are no faces of cells"},
+        {cells.unknownElements, "elements of unknown types"}};
+    std::erase_if(all, [](const ElementCount& elements) { return elements.count == 0; });
     return all;
 }
 

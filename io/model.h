@@ -5,9 +5,7 @@
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/base/progress.h>
-#include <espalier/far/mesh_patch.h>
-#include <espalier/far/surface_mesh.h>
-#include <espalier/far/volume_mesh.h>
+#include <espalier/far/simulation_mesh.h>
 #include <espalier/io/directions.h>
 
 #include <array>
@@ -64,18 +62,17 @@ struct ModelFaces {
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
 };
 
-/// The cells of a model, if it is a mesh of a simulation.
-struct ModelVolume {
-    /// The tetrahedra, pyramids, wedges and hexahedra of first and second order, and the polyhedra,
-    /// right-handed, in the order of the file. Its points are positions().
-    far::VolumeMesh mesh;
-
-    /// If the file has no cells of a volume: the triangles and quadrilaterals of first and second
-    /// order, in the order of the file.
-    far::SurfaceMesh surface;
-
+/// The cells of a model, if it is a mesh of a simulation. Its points are positions().
+///
+/// The cells of `volume` are tetrahedra, pyramids, wedges and hexahedra of first and second order,
+/// and polyhedra, right-handed, in the order of the file; the faces of `surface` triangles and
+/// quadrilaterals of first and second order. `patches` are the patches of OpenFOAM, the markers of
+/// SU2, the physical groups of Gmsh, the references of Medit and the sections of CGNS, in the order
+/// of the file. A group without a name has one of its dimension and number: "surface 3", "volume
+/// 1".
+struct ModelCells : far::SimulationMesh {
     /// Number of cells of a volume of third order and above, or whose order of points is not known.
-    /// They are not in `mesh`.
+    /// They are not in `volume`.
     Index curvedCells = 0;
 
     /// The same number for faces of surfaces, and the number of faces with more than 4 corners.
@@ -87,24 +84,27 @@ struct ModelVolume {
     /// that are no faces of these cells.
     Index facesBeside = 0;
 
-    /// Number of elements of types that the reader does not know. They are not in `mesh`, and may
-    /// be cells of the volume or not.
+    /// Number of elements of types that the reader does not know. They may be cells or not.
     Index unknownElements = 0;
 
     bool isOpenFoam = false;  ///< the format of the file
-
-    /// Number of cells in `mesh`, or of faces in `surface`.
-    Index count() const { return mesh.cellCount() + surface.faceCount(); }
 };
 
-/// Elements of a model that are in no check, with a name in the plural.
-struct UncheckedElements {
+/// A number of elements of a mesh, and their name in the plural.
+struct ElementCount {
     Index count;
     const char* name;
 };
 
-/// Returns the elements of a mesh that are neither in `mesh` nor in `surface`.
-ESPALIER_API std::vector<UncheckedElements> uncheckedElements(const ModelVolume& volume);
+/// Returns the numbers of tetrahedra, pyramids, wedges, hexahedra, polyhedra, triangles and
+/// quadrilaterals among the cells of a mesh, in this order, also where a number is 0.
+ESPALIER_API std::vector<ElementCount> cellCounts(const far::SimulationMesh& mesh);
+
+/// Returns the number of cells of second order.
+ESPALIER_API Index secondOrderCount(const far::SimulationMesh& mesh);
+
+/// Returns the elements of a file that are no cells of its mesh, and so in no check.
+ESPALIER_API std::vector<ElementCount> uncheckedElements(const ModelCells& cells);
 
 /// Returns the faces that only one cell of a volume has, each anticlockwise seen from outside.
 /// \cost O(points of faces)
@@ -285,20 +285,13 @@ public:
     ///
     /// \throws FileError if a cell is malformed, or names a point that does not exist
     /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
-    virtual ModelVolume readVolume() const { return {}; }
+    virtual ModelCells readCells() const { return {}; }
 
     /// Returns the numbers at the points that can be read: properties of a PLY, arrays of VTK's
     /// point data, attributes of glTF, and the colours of an OBJ. Colours in bytes are divided by
     /// 255: red, green, blue and alpha of a PLY; arrays of 3 or 4 bytes for each point in VTK's
     /// files; and normalized integers of glTF, as the file says.
     virtual std::vector<PointAttribute> attributes() const { return {}; }
-
-    /// Reads the patches of the boundary of a mesh, and its groups of cells: the patches of
-    /// OpenFOAM, the markers of SU2, the physical groups of Gmsh, the references of Medit, the
-    /// sections and boundary conditions of CGNS. A group without a name has one of its dimension
-    /// and number: "surface 3", "volume 1". \throws FileError as readVolume() \cost one pass over
-    /// the file
-    virtual std::vector<far::MeshPatch> readPatches() const { return {}; }
 
     /// Returns the groups, objects and materials of an OBJ, the meshes, nodes and materials of
     /// glTF, and the patches of a mesh, in the order of the file. Parts of one name are one group.

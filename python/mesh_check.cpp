@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/model_part.h>
 #include <espalier/solve/mesh_check.h>
 
 #include <pybind11/stl.h>
@@ -18,11 +17,12 @@ using namespace py::literals;
 
 namespace {
 
-/// \throws Error if the model has no cells that can be checked
-io::ModelVolume volumeOf(const ModelFile& model) {
-    io::ModelVolume volume = model.model->readVolume();
-    if (volume.count() > 0) return volume;
-    const auto unchecked = io::uncheckedElements(volume);
+/// Returns the cells of a model.
+/// \throws Error if there are none that can be checked
+io::ModelCells cellsOf(const ModelFile& model) {
+    io::ModelCells cells = model.model->readCells();
+    if (cells.cellCount() > 0) return cells;
+    const auto unchecked = io::uncheckedElements(cells);
     throw Error(unchecked.empty()
                     ? concat("model: ", printable(model.name), " has no cells")
                     : concat("model: ", printable(model.name), " has ", unchecked[0].count, " ",
@@ -32,34 +32,26 @@ io::ModelVolume volumeOf(const ModelFile& model) {
 /// The cells of a model, and the check of its poses.
 class MeshCheck {
 public:
-    explicit MeshCheck(std::shared_ptr<const ModelFile> model)
-        : model_(std::move(model)), check_(makeCheck()) {}
+    explicit MeshCheck(const std::shared_ptr<const ModelFile>& model)
+        : MeshCheck(model, cellsOf(*model)) {}
 
-    const solve::MeshCheck& mesh() const { return check_; }
-    const solve::ValidityCheck& check() const { return check_.validity(); }
-    const std::vector<io::UncheckedElements>& unchecked() const { return unchecked_; }
-    const std::string& nameOf(std::size_t patch) const { return names_[patch]; }
+    const solve::MeshCheck& check() const { return check_; }
+    const std::vector<io::ElementCount>& unchecked() const { return unchecked_; }
     std::vector<Point3> toPoses(const ArrayLike& points) const {
-        return toPoints(points, "points", model_->model->positions().size());
+        return toPoints(points, "points", pointCount_);
     }
 
 private:
-    solve::MeshCheck makeCheck() {
-        io::ModelVolume volume = volumeOf(*model_);
-        unchecked_ = io::uncheckedElements(volume);
-        auto patches = model_->model->readPatches();
-        names_ = io::namesOf(patches);
-        return {{std::move(volume.mesh),
-                 std::move(volume.surface),
-                 std::move(patches),
-                 volume.isOpenFoam,
-                 {}},
-                model_->model->positions()};
-    }
+    MeshCheck(std::shared_ptr<const ModelFile> model, const io::ModelCells& cells)
+        : unchecked_(io::uncheckedElements(cells)),
+          pointCount_(model->model->positions().size()),
+          check_(cells, model->model->positions(),
+                 {cells.isOpenFoam, [model](std::vector<Point3> points) {
+                      return model->model->stored(std::move(points));
+                  }}) {}
 
-    std::shared_ptr<const ModelFile> model_;
-    std::vector<io::UncheckedElements> unchecked_;
-    std::vector<std::string> names_;  ///< of all patches
+    std::vector<io::ElementCount> unchecked_;
+    std::size_t pointCount_;
     solve::MeshCheck check_;
 };
 
@@ -95,11 +87,11 @@ for cells of second order. If the mesh has no cells of a volume, its triangles a
 model : Model with cells, such as the mesh of an OpenFOAM case, or a .su2
 )")
         .def(py::init([](std::shared_ptr<const ModelFile> model) {
-                 return withoutGil([&] { return std::make_unique<MeshCheck>(std::move(model)); });
+                 return withoutGil([&] { return std::make_unique<MeshCheck>(model); });
              }),
              "model"_a.none(false))
         .def_property_readonly(
-            "cell_count", [](const MeshCheck& self) { return self.mesh().cellCount(); },
+            "cell_count", [](const MeshCheck& self) { return self.check().mesh().cellCount(); },
             "Number of cells that are checked: int.")
         .def_property_readonly(
             "not_checked",
@@ -116,14 +108,14 @@ model : Model with cells, such as the mesh of an OpenFOAM case, or a .su2
             "check",
             [](const MeshCheck& self, const ArrayLike& points) {
                 const auto pose = self.toPoses(points);
-                return withoutGil([&] { return self.check().check(pose); });
+                return withoutGil([&] { return self.check().validity().check(pose); });
             },
             "points"_a, "Checks deformed points, array (N, 3). Returns a PoseValidity.")
         .def(
             "largest_step",
             [](const MeshCheck& self, const ArrayLike& points, double most) {
                 const auto pose = self.toPoses(points);
-                return withoutGil([&] { return self.check().largestStep(pose, most); });
+                return withoutGil([&] { return self.check().validity().largestStep(pose, most); });
             },
             "points"_a, "most"_a = 1.0, R"(
 Finds how far the points can move from rest towards deformed points before a cell folds. Returns a
@@ -138,26 +130,28 @@ most   : how far to look, up to 1e6; 1 is the whole way
                 auto pose = self.toPoses(points);
                 const auto choice = chosen(solve::kCriterionWords, "criterion", criterion);
                 const solve::MeshVerdict verdict =
-                    withoutGil([&] { return self.mesh().shorten(pose, choice); });
+                    withoutGil([&] { return self.check().shorten(pose, choice); });
                 return py::make_tuple(toArray(pose), verdict.written);
             },
             "points"_a, "criterion"_a = "exact", R"(
 Moves deformed points, array (N, 3), back towards rest until the mesh is valid. Returns the points and
-the share of the way: 1 if the mesh is valid at the deformed points.
+the share of the way: 1 if the mesh is valid at the deformed points. The points are rounded as Model.write()
+stores them. Patches (broken_patches) are left as they are.
 
 criterion : "exact": no cell is inverted anywhere; "solver": the volumes are positive, and in a mesh of
-            OpenFOAM, checkMesh finds no error that it does not find at rest
+            OpenFOAM, checkMesh finds no more wrong pyramids and angles than at rest
 )")
         .def(
             "broken_patches",
             [](const MeshCheck& self, const ArrayLike& points) {
                 const auto pose = self.toPoses(points);
                 const auto deviations =
-                    withoutGil([&] { return self.mesh().constraints().check(pose); });
+                    withoutGil([&] { return self.check().constraints().check(pose); });
                 py::dict broken;
                 for (const solve::PatchDeviation& deviation : deviations)
                     if (deviation.isBroken)
-                        broken[py::str(self.nameOf(deviation.patch))] = deviation.distance;
+                        broken[py::str(self.check().mesh().patches[deviation.patch].name)] =
+                            deviation.distance;
                 return broken;
             },
             "points"_a, R"(
@@ -169,7 +163,7 @@ Returns a dict of the names of the patches and the largest distances.
             [](const MeshCheck& self, const ArrayLike& points) {
                 const auto pose = self.toPoses(points);
                 return withoutGil(
-                    [&] { return self.mesh().solverErrors(self.mesh().qualityAt(pose)); });
+                    [&] { return self.check().solverErrors(self.check().qualityAt(pose)); });
             },
             "points"_a,
             "Counts the errors that the criterion \"solver\" finds at points, array (N, 3): int.")
@@ -177,7 +171,7 @@ Returns a dict of the names of the patches and the largest distances.
             "quality",
             [](const MeshCheck& self, const ArrayLike& points) {
                 const auto pose = self.toPoses(points);
-                return toDict(withoutGil([&] { return self.mesh().qualityAt(pose); }));
+                return toDict(withoutGil([&] { return self.check().qualityAt(pose); }));
             },
             "points"_a, R"(
 Measures the mesh at points, array (N, 3), with the definitions of OpenFOAM's checkMesh. Returns a dict:

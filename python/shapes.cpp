@@ -266,7 +266,7 @@ struct PointsAndFaces {
 void append(const ModelFile& file, PointsAndFaces& all) {
     io::ModelFaces faces = file.model->readSurface().faces;
     // The mesh of a volume may have cells only.
-    if (faces.count() == 0) faces = io::boundaryFaces(file.model->readVolume().mesh);
+    if (faces.count() == 0) faces = io::boundaryFaces(file.model->readCells().volume);
     if (faces.count() == 0)
         throw Error(concat(printable(file.name),
                            " has no faces; shapes.around() makes a box around points"));

@@ -9,8 +9,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 
+#include "piece.h"
+#include "principal_axes.h"
 #include "rotation_fit.h"
 
 namespace espalier::solve {
@@ -23,19 +27,10 @@ constexpr double kFulfilled = 1e-6;
 /// Distances in a pose above this share of the size break a constraint.
 constexpr double kBroken = 1e-10;
 
-std::span<const Index> faceOf(const far::MeshPatch& patch, std::size_t face) {
-    return {patch.faces.values.data() + patch.faces.offsets[face],
-            patch.faces.values.data() + patch.faces.offsets[face + 1]};
-}
-
-std::size_t faceCount(const far::MeshPatch& patch) {
-    return patch.faces.offsets.size() - 1;
-}
-
 /// Returns the area vector of a face.
 Point3 areaOf(std::span<const Index> face, std::span<const Point3> positions) {
     std::vector<Point3> loop;
-    for (const Index point : face) loop.push_back(difference(positions[point], positions[face[0]]));
+    for (const Index point : face) loop.push_back(positions[point]);
     return areaVector(loop);
 }
 
@@ -86,7 +81,7 @@ std::optional<Constraint> constraintOf(const far::MeshPatch& patch) {
         return Constraint::Plane;
     if (patch.type == "empty") return Constraint::Sides;
     if (patch.type.starts_with("cyclic") && !patch.partner.empty()) return Constraint::Periodic;
-    if (!patch.type.empty() || patch.faces.values.empty()) return std::nullopt;
+    if (!patch.type.empty() || patch.dimension == 3) return std::nullopt;
     std::string name = patch.name;
     for (char& c : name)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -104,6 +99,8 @@ ConstraintPatches::ConstraintPatches(std::span<const far::MeshPatch> patches,
                 high[c] = std::max(high[c], point[c]);
             }
         size_ = length(difference(high, low));
+        constexpr double kUnits = 8 * std::numeric_limits<double>::epsilon();
+        rounding_ = kUnits * std::max(largestCoordinate(low), largestCoordinate(high));
     }
     for (std::size_t number = 0; number < patches.size(); ++number) {
         const far::MeshPatch& patch = patches[number];
@@ -115,22 +112,49 @@ ConstraintPatches::ConstraintPatches(std::span<const far::MeshPatch> patches,
             const auto partner = std::ranges::find(patches, patch.partner, &far::MeshPatch::name);
             isFulfilled = partner != patches.end() && findMotion(patch, *partner, checked);
         } else {
-            isFulfilled = findPlanes(patch, checked) &&
-                          checked.planes.size() <= (*constraint == Constraint::Sides ? 2u : 1u) &&
-                          (checked.planes.size() < 2 || pairSides(checked));
+            const std::size_t mostPlanes = *constraint == Constraint::Sides ? 2 : 1;
+            isFulfilled = findPlanes(patch, checked) && checked.planes.size() <= mostPlanes;
         }
-        // Without a second wedge that mirrors it, a wedge is a plane.
-        if (isFulfilled && patch.type == "wedge")
-            for (const far::MeshPatch& other : patches)
-                if (&other != &patch && other.type == "wedge" &&
-                    other.points.size() == patch.points.size() && checked.pairs.empty() &&
-                    !pairWedges(checked, other))
-                    checked.pairs.clear();
         if (isFulfilled)
             checked_.push_back(std::move(checked));
         else
             brokenAtRest_.push_back(number);
     }
+    pairPlanes(patches);
+    std::ranges::sort(brokenAtRest_);
+}
+
+void ConstraintPatches::pairPlanes(std::span<const far::MeshPatch> patches) {
+    std::vector<Checked> kept;
+    const auto pairWith = [&](Checked& checked, const auto& pair) {
+        // A wedge has its partner in another patch, and so may a side.
+        for (const Checked& other : checked_) {
+            if (other.patch == checked.patch || other.constraint != checked.constraint ||
+                patches[other.patch].type != patches[checked.patch].type ||
+                other.planes.size() != 1)
+                continue;
+            if (pair(other.planes[0])) return true;
+            checked.pairs.clear();
+        }
+        return false;
+    };
+    for (Checked checked : checked_) {
+        bool isFulfilled = true;
+        if (checked.constraint == Constraint::Sides && checked.planes.size() == 2)
+            isFulfilled = pairSides(checked, checked.planes[0], checked.planes[1]);
+        else if (checked.constraint == Constraint::Sides)
+            // Without another side, the points have no opposite ones.
+            pairWith(checked, [&](const Plane& back) {
+                return pairSides(checked, checked.planes[0], back);
+            });
+        else if (patches[checked.patch].type == "wedge")
+            pairWith(checked, [&](const Plane& other) { return pairWedges(checked, other); });
+        if (isFulfilled)
+            kept.push_back(std::move(checked));
+        else
+            brokenAtRest_.push_back(checked.patch);
+    }
+    checked_ = std::move(kept);
 }
 
 template <class Visit>
@@ -138,70 +162,87 @@ void ConstraintPatches::forEachDistance(const Checked& checked, std::span<const 
                                         Visit visit) const {
     for (const Plane& plane : checked.planes)
         for (const Index point : plane.points)
-            visit(point, std::abs(dot(difference(points[point], plane.origin), plane.normal)));
+            visit(point, std::abs(dot(difference(points[point], plane.origin), plane.normal)),
+                  false);
     for (const Pair& pair : checked.pairs) {
         if (checked.constraint == Constraint::Sides) {
-            visit(pair.point, length(inPlane(difference(points[pair.image], points[pair.point]),
-                                             checked.planes[0].normal)));
+            visit(pair.point,
+                  length(inPlane(difference(points[pair.image], points[pair.point]),
+                                 checked.planes[0].normal)),
+                  true);
             continue;
         }
         const Point3 offset = difference(points[pair.point], checked.from);
         const Point3 image = {dot(checked.axes[0], offset), dot(checked.axes[1], offset),
                               dot(checked.axes[2], offset)};
-        visit(pair.point, length(difference(points[pair.image], sum(checked.to, image))));
+        visit(pair.point, length(difference(points[pair.image], sum(checked.to, image))), true);
     }
+}
+
+/// Fits the plane to its points, if they are not on a line.
+void ConstraintPatches::fitPlane(Plane& plane) const {
+    sortUnique(plane.points);
+    const PrincipalAxes axes(plane.points, rest_);
+    if (!(axes.extents[1] > kFulfilled * axes.extents[0])) return;
+    plane.origin = axes.mean;
+    plane.normal = axes.directions[2];
 }
 
 bool ConstraintPatches::findPlanes(const far::MeshPatch& patch, Checked& checked) const {
-    for (std::size_t number = 0; number < faceCount(patch); ++number) {
-        checkCancelledEvery(number, 12);
-        const auto face = faceOf(patch, number);
-        const auto contains = [&](const Plane& plane) {
-            return std::ranges::all_of(face, [&](Index point) {
-                return std::abs(dot(difference(rest_[point], plane.origin), plane.normal)) <=
-                       kFulfilled * size_;
-            });
+    const auto isFar = [&](const Plane& plane, double tolerance) {
+        return [&plane, tolerance, this](Index point) {
+            return !(std::abs(dot(difference(rest_[point], plane.origin), plane.normal)) <=
+                     tolerance);
         };
-        auto plane = std::ranges::find_if(checked.planes, contains);
-        if (plane == checked.planes.end()) {
-            if (checked.planes.size() == 2) return false;
-            const Point3 area = areaOf(face, rest_);
-            const double size = length(area);
-            if (!(size > 0)) return false;
-            checked.planes.push_back({rest_[face[0]], scaled(area, 1 / size), {}});
-            plane = checked.planes.end() - 1;
-        }
-        plane->points.insert(plane->points.end(), face.begin(), face.end());
+    };
+    if (patch.dimension == 1) {
+        // A line of a mesh in a plane: the plane through the line, perpendicular to the mesh.
+        std::vector<Index> all(rest_.size());
+        std::iota(all.begin(), all.end(), 0);
+        const PrincipalAxes ofMesh(all, rest_), ofLine(patch.points, rest_);
+        if (ofMesh.extents[2] > kFulfilled * size_) return false;
+        checked.planes.push_back(
+            {ofLine.mean, cross(ofMesh.directions[2], ofLine.directions[0]), patch.points});
+        return std::ranges::none_of(patch.points, isFar(checked.planes[0], kFulfilled * size_));
     }
-    for (Plane& plane : checked.planes) {
-        sortUnique(plane.points);
-        // The normal of a single face would be as precise as the face is small: the sum of all is
-        // better, and the smallest principal axis of the points is best.
-        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-        for (const Index point : plane.points)
-            mean += toEigen(difference(rest_[point], plane.origin));
-        mean /= static_cast<double>(plane.points.size());
-        Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-        for (const Index point : plane.points) {
-            const Eigen::Vector3d offset = toEigen(difference(rest_[point], plane.origin)) - mean;
-            moments += offset * offset.transpose();
+    std::vector<Index> left(patch.faceCount());
+    std::iota(left.begin(), left.end(), 0);
+    std::vector<Point3> areas;
+    for (const Index face : left) areas.push_back(areaOf(patch.faces[face], rest_));
+    while (!left.empty()) {
+        if (checked.planes.size() == 2) return false;
+        // The normal of one face is as precise as the face is small. So the plane of the largest
+        // face collects faces roughly, and then its points determine it.
+        constexpr double kRoughly = 1e-3;
+        const Index largest = *std::max_element(left.begin(), left.end(), [&](Index a, Index b) {
+            return dot(areas[a], areas[a]) < dot(areas[b], areas[b]);
+        });
+        const double size = length(areas[largest]);
+        if (!(size > 0)) return false;
+        Plane plane{rest_[patch.faces[largest][0]], scaled(areas[largest], 1 / size), {}};
+        for (const double tolerance : {kRoughly * size_, kFulfilled * size_}) {
+            std::vector<Index> points;
+            for (const Index face : left) {
+                const auto corners = patch.faces[face];
+                if (std::ranges::none_of(corners, isFar(plane, tolerance)))
+                    points.insert(points.end(), corners.begin(), corners.end());
+            }
+            if (points.empty()) return false;
+            plane.points = std::move(points);
+            fitPlane(plane);
         }
-        const Eigen::JacobiSVD<Eigen::Matrix3d> axes(moments, Eigen::ComputeFullU);
-        // Points on a line have no plane of their own: the face has.
-        if (axes.singularValues()[1] > kFulfilled * axes.singularValues()[0]) {
-            const Eigen::Vector3d normal = axes.matrixU().col(2);
-            plane.normal = {normal[0], normal[1], normal[2]};
-            plane.origin = sum(plane.origin, {mean[0], mean[1], mean[2]});
-        }
+        std::vector<Index> others;
+        for (const Index face : left)
+            if (!std::ranges::none_of(patch.faces[face], isFar(plane, kFulfilled * size_)))
+                others.push_back(face);
+        if (others.size() == left.size()) return false;
+        left = std::move(others);
+        checked.planes.push_back(std::move(plane));
     }
-    double largest = 0;
-    forEachDistance(checked, rest_,
-                    [&](Index, double distance) { largest = std::max(largest, distance); });
-    return !checked.planes.empty() && largest <= kFulfilled * size_;
+    return !checked.planes.empty();
 }
 
-bool ConstraintPatches::pairSides(Checked& checked) const {
-    const Plane &front = checked.planes[0], &back = checked.planes[1];
+bool ConstraintPatches::pairSides(Checked& checked, const Plane& front, const Plane& back) const {
     if (length(cross(front.normal, back.normal)) > kFulfilled) return false;
     const auto project = [&](Index point) {
         return inPlane(difference(rest_[point], front.origin), front.normal);
@@ -217,7 +258,8 @@ bool ConstraintPatches::pairSides(Checked& checked) const {
     return true;
 }
 
-bool ConstraintPatches::pairWedges(Checked& checked, const far::MeshPatch& other) const {
+bool ConstraintPatches::pairWedges(Checked& checked, const Plane& other) const {
+    if (other.points.size() != checked.planes[0].points.size()) return false;
     const auto meanOf = [&](std::span<const Index> points) {
         Eigen::Vector3d mean = Eigen::Vector3d::Zero();
         for (const Index point : points)
@@ -255,10 +297,10 @@ bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshP
                                    Checked& checked) const {
     // Face i of one patch is face i of the other one, which goes around in the other direction from
     // the same first corner.
-    if (faceCount(patch) != faceCount(partner)) return false;
+    if (patch.faceCount() != partner.faceCount()) return false;
     std::vector<Pair>& pairs = checked.pairs;
-    for (std::size_t number = 0; number < faceCount(patch); ++number) {
-        const auto face = faceOf(patch, number), image = faceOf(partner, number);
+    for (Index number = 0; number < patch.faceCount(); ++number) {
+        const auto face = patch.faces[number], image = partner.faces[number];
         if (face.size() != image.size()) return false;
         for (std::size_t i = 0; i < face.size(); ++i)
             pairs.push_back({face[i], image[(image.size() - i) % image.size()]});
@@ -289,7 +331,7 @@ bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshP
     checked.to = sum(imageBase, {imageMean[0], imageMean[1], imageMean[2]});
     double largest = 0;
     forEachDistance(checked, rest_,
-                    [&](Index, double distance) { largest = std::max(largest, distance); });
+                    [&](Index, double distance, bool) { largest = std::max(largest, distance); });
     return largest <= kFulfilled * size_;
 }
 
@@ -300,18 +342,19 @@ std::vector<PatchDeviation> ConstraintPatches::check(std::span<const Point3> poi
     for (const Checked& checked : checked_) {
         std::vector<double> atRest;
         forEachDistance(checked, rest_,
-                        [&](Index, double distance) { atRest.push_back(distance); });
+                        [&](Index, double distance, bool) { atRest.push_back(distance); });
         PatchDeviation& deviation =
             result.emplace_back(PatchDeviation{checked.patch, checked.constraint});
         std::size_t number = 0;
-        forEachDistance(checked, points, [&](Index point, double distance) {
+        forEachDistance(checked, points, [&](Index point, double distance, bool isFromImage) {
             const double more = distance - atRest[number++];
             if (more > deviation.distance) {
                 deviation.distance = more;
                 deviation.point = point;
+                deviation.isFromImage = isFromImage;
             }
         });
-        deviation.isBroken = deviation.distance > kBroken * size_;
+        deviation.isBroken = deviation.distance > std::max(kBroken * size_, rounding_);
     }
     return result;
 }

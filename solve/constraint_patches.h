@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/far/mesh_patch.h>
+#include <espalier/far/simulation_mesh.h>
 
 #include <array>
 #include <cstddef>
@@ -24,9 +24,10 @@ enum class Constraint {
     Periodic  ///< the patch stays the image of its partner, under the motion that maps it at rest
 };
 
-/// Returns the constraint of a patch: by its type, as OpenFOAM names it (symmetry, symmetryPlane,
-/// wedge, empty, cyclic, cyclicAMI with a partner, and those that begin with "processorCyclic" have
-/// none); without a type, a name with "symm" is a plane. Nothing for all other patches.
+/// Returns the constraint of a patch, or nothing. By the type, as OpenFOAM names it: `symmetry`,
+/// `symmetryPlane` and `wedge` are planes, `empty` has sides, and types that begin with `cyclic`
+/// are periodic if they have a partner. Without a type: a patch of faces or lines with "symm" in
+/// its name is a plane.
 ESPALIER_API std::optional<Constraint> constraintOf(const far::MeshPatch& patch);
 
 /// The effect of a pose on a constraint patch.
@@ -39,7 +40,14 @@ struct PatchDeviation {
     double distance = 0;
     Index point = 0;
 
-    bool isBroken = false;  ///< the distance is above 1e-10 of the size of the mesh
+    /// True if this is the distance from the image of another point: of the mirror image in a
+    /// wedge, the opposite point of a side, or the partner. False if it is the distance from a
+    /// plane.
+    bool isFromImage = false;
+
+    /// True if the distance is above 1e-10 of the size of the mesh, and above 8 units of rounding
+    /// of the largest coordinate.
+    bool isBroken = false;
 };
 
 /// Checks the constraint patches of a mesh.
@@ -82,8 +90,10 @@ private:
     };
 
     bool findPlanes(const far::MeshPatch& patch, Checked& checked) const;
-    bool pairSides(Checked& checked) const;
-    bool pairWedges(Checked& checked, const far::MeshPatch& other) const;
+    void fitPlane(Plane& plane) const;
+    bool pairSides(Checked& checked, const Plane& front, const Plane& back) const;
+    bool pairWedges(Checked& checked, const Plane& other) const;
+    void pairPlanes(std::span<const far::MeshPatch> patches);
     bool findMotion(const far::MeshPatch& patch, const far::MeshPatch& partner,
                     Checked& checked) const;
     template <class Visit>
@@ -91,6 +101,7 @@ private:
 
     std::vector<Point3> rest_;
     double size_ = 0;
+    double rounding_ = 0;  ///< of coordinates
     std::vector<Checked> checked_;
     std::vector<std::size_t> brokenAtRest_;
 };

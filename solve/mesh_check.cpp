@@ -23,21 +23,18 @@ Index increase(Index before, Index now) {
 
 }  // namespace
 
-MeshCheck::MeshCheck(CheckedMesh mesh, std::span<const Point3> rest)
+MeshCheck::MeshCheck(far::SimulationMesh mesh, std::span<const Point3> rest,
+                     MeshCheckOptions options)
     : mesh_(std::move(mesh)),
+      options_(std::move(options)),
       rest_(rest.begin(), rest.end()),
-      check_(mesh_.volume.cellCount() > 0 ? ValidityCheck(mesh_.volume, rest)
-                                          : ValidityCheck(mesh_.surface, rest)),
+      check_(mesh_.isSurface() ? ValidityCheck(mesh_.surface, rest)
+                               : ValidityCheck(mesh_.volume, rest)),
       constraints_(mesh_.patches, rest),
       before_(qualityAt(rest)) {}
 
-Index MeshCheck::cellCount() const {
-    return mesh_.volume.cellCount() > 0 ? mesh_.volume.cellCount() : mesh_.surface.faceCount();
-}
-
 MeshQuality MeshCheck::qualityAt(std::span<const Point3> points) const {
-    return mesh_.volume.cellCount() > 0 ? meshQuality(mesh_.volume, points)
-                                        : surfaceQuality(mesh_.surface, rest_, points);
+    return meshQuality(mesh_, rest_, points);
 }
 
 Index MeshCheck::solverErrors(const MeshQuality& quality) const {
@@ -45,7 +42,7 @@ Index MeshCheck::solverErrors(const MeshQuality& quality) const {
     Index errors = 0;
     for (const Index cell : quality.nonPositiveVolumes)
         errors += std::ranges::binary_search(before, cell) ? 0 : 1;
-    if (!mesh_.isOpenFoam) return errors;
+    if (!options_.isOpenFoam) return errors;
     return errors + increase(before_.negativePyramids, quality.negativePyramids) +
            increase(before_.beyondRightAngle, quality.beyondRightAngle);
 }
@@ -66,7 +63,7 @@ bool MeshCheck::accepts(const MeshVerdict& verdict, Criterion criterion) const {
 }
 
 std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
-    return mesh_.stored ? mesh_.stored(std::move(points)) : points;
+    return options_.stored ? options_.stored(std::move(points)) : points;
 }
 
 double MeshCheck::solverStep(std::span<const Point3> pose, double valid) const {
@@ -89,7 +86,8 @@ MeshVerdict MeshCheck::check(std::span<const Point3> points) const {
     verdict.step = check_.largestStep(pose);
     verdict.whole = qualityAt(pose);
     verdict.quality = verdict.whole;
-    verdict.patches = constraints_.check(pose);
+    // Rounding to the numbers of a file moves points out of every plane that is not across an axis.
+    verdict.patches = constraints_.check(points);
     if (solverErrors(verdict.whole) > 0) verdict.solverStep = solverStep(pose, verdict.step.length);
     return verdict;
 }

@@ -4,9 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/base/word.h>
-#include <espalier/far/mesh_patch.h>
-#include <espalier/far/surface_mesh.h>
-#include <espalier/far/volume_mesh.h>
+#include <espalier/far/simulation_mesh.h>
 #include <espalier/solve/constraint_patches.h>
 #include <espalier/solve/mesh_quality.h>
 #include <espalier/solve/validity.h>
@@ -28,19 +26,12 @@ enum class Criterion {
 inline constexpr Word<Criterion> kCriterionWords[] = {{"exact", Criterion::Exact},
                                                       {"solver", Criterion::Solver}};
 
-/// A mesh, and how it is judged.
-struct CheckedMesh {
-    far::VolumeMesh volume;
-    far::SurfaceMesh surface;  ///< checked if `volume` has no cells
-
-    /// The patches, of which those with a constraint are checked (ConstraintPatches).
-    std::vector<far::MeshPatch> patches;
-
+struct MeshCheckOptions {
     /// True for a mesh of OpenFOAM: Criterion::Solver then counts as checkMesh does.
     bool isOpenFoam = false;
 
     /// Rounds points to the numbers that will be stored. Empty if they are stored as doubles.
-    std::function<std::vector<Point3>(std::vector<Point3>)> stored;
+    std::function<std::vector<Point3>(std::vector<Point3>)> stored = {};
 };
 
 /// The effect of a pose on the cells of a mesh.
@@ -73,10 +64,11 @@ public:
     /// \param rest positions of the points at rest; copied
     /// \throws Error as ValidityCheck
     /// \cost O(points of cells), in parallel
-    MeshCheck(CheckedMesh mesh, std::span<const Point3> rest);
+    MeshCheck(far::SimulationMesh mesh, std::span<const Point3> rest,
+              MeshCheckOptions options = {});
 
-    /// Number of cells that are checked.
-    Index cellCount() const;
+    /// The mesh, all of whose cells are checked.
+    const far::SimulationMesh& mesh() const { return mesh_; }
 
     const std::vector<Index>& badAtRest() const { return check_.badAtRest(); }
     const MeshQuality& qualityAtRest() const { return before_; }
@@ -99,7 +91,8 @@ public:
     ///       meshQuality() more if the solver refuses the pose
     MeshVerdict check(std::span<const Point3> points) const;
 
-    /// Judges a pose, and goes back towards rest until it is valid.
+    /// Judges a pose, and goes back towards rest until no cell is broken. Patches are left as they
+    /// are: a share of a pose breaks a plane as the pose does.
     /// \param points the positions in the pose; then those at MeshVerdict::written
     MeshVerdict shorten(std::vector<Point3>& points, Criterion criterion) const;
 
@@ -119,7 +112,8 @@ private:
     std::vector<Point3> stored(std::vector<Point3> points) const;
     double solverStep(std::span<const Point3> pose, double valid) const;
 
-    CheckedMesh mesh_;
+    far::SimulationMesh mesh_;
+    MeshCheckOptions options_;
     std::vector<Point3> rest_;
     ValidityCheck check_;
     ConstraintPatches constraints_;

@@ -194,12 +194,19 @@ MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> pos
     if (std::ssize(positions) != mesh.pointCount())
         throw Error(concat("got ", positions.size(), " positions for a mesh of ", mesh.pointCount(),
                            " points"));
-    const Centres centres(mesh, positions);
+    Centres centres(mesh, positions);
     std::vector<double> jacobians(mesh.cellCount());
     parallelFor(mesh.cellCount(), kGrain, [&](Offset first, Offset last) {
         for (auto cell = static_cast<Index>(first); cell < last; ++cell)
             if (const auto kind = mesh.kind(cell))
                 jacobians[cell] = scaledJacobian(*kind, mesh.corners(cell), positions);
+    });
+    // The formula has the volume between the corners; curved edges enclose another one.
+    std::vector<double>& volumes = centres.volumes;
+    parallelFor(mesh.cellCount(), kGrain, [&](Offset first, Offset last) {
+        for (auto cell = static_cast<Index>(first); cell < last; ++cell)
+            if (mesh.isSecondOrder(cell))
+                volumes[cell] = secondOrderVolume(mesh.points(cell), positions);
     });
     std::vector<FaceMeasures> ofRanges((mesh.faceCount() + kGrain - 1) / kGrain);
     parallelFor(mesh.faceCount(), kGrain, [&](Offset first, Offset last) {
@@ -247,22 +254,28 @@ MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3>
         const double regular = corners.size() == 3 ? regularTriangle : 1;
         double jacobian = std::numeric_limits<double>::infinity();
         std::vector<Point3> loop;
-        for (std::size_t i = 0; i < corners.size(); ++i) {
-            const Point3& here = positions[corners[i]];
-            const Point3 to = difference(positions[corners[(i + 1) % corners.size()]], here),
-                         from = difference(
-                             positions[corners[(i + corners.size() - 1) % corners.size()]], here);
+        for (const Index corner : corners) loop.push_back(positions[corner]);
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Point3 to = difference(loop[(i + 1) % loop.size()], loop[i]),
+                         from = difference(loop[(i + loop.size() - 1) % loop.size()], loop[i]);
             const double product = length(to) * length(from);
             jacobian = std::min(jacobian,
                                 product > 0 ? dot(cross(to, from), unit) / product / regular : 0.0);
-            loop.push_back(difference(here, positions[corners[0]]));
         }
-        const double area = dot(areaVector(loop), unit);
+        const double area = mesh.isSecondOrder(face)
+                                ? secondOrderArea(mesh.points(face), positions, unit)
+                                : dot(areaVector(loop), unit);
         keepSmallest(quality.smallestScaledJacobian, {face, jacobian});
         keepSmallest(quality.smallestVolume, {face, area});
         if (!(area > 0)) quality.nonPositiveVolumes.push_back(face);
     }
     return quality;
+}
+
+MeshQuality meshQuality(const far::SimulationMesh& mesh, std::span<const Point3> rest,
+                        std::span<const Point3> positions) {
+    return mesh.isSurface() ? surfaceQuality(mesh.surface, rest, positions)
+                            : meshQuality(mesh.volume, positions);
 }
 
 }  // namespace espalier::solve

@@ -3,9 +3,8 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
+#include <espalier/far/simulation_mesh.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/far/surface_mesh.h>
-#include <espalier/far/volume_mesh.h>
 #include <espalier/solve/validity.h>
 
 #include <optional>
@@ -25,14 +24,16 @@ struct FaceValue {
 /// The quality of a volume mesh. Where several cells or faces have the same value, the first
 /// counts.
 ///
-/// All but the scaled Jacobian are defined as in OpenFOAM 1912 (primitiveMeshTools), for the
-/// centres of faces and cells that OpenFOAM computes. Coupled patches count as boundaries.
+/// All but the scaled Jacobian are, for straight cells, defined as in OpenFOAM 1912
+/// (primitiveMeshTools), for the centres of faces and cells that OpenFOAM computes. Coupled patches
+/// count as boundaries.
 struct MeshQuality {
     /// The smallest scaled Jacobian of the tetrahedra, pyramids, wedges and hexahedra
     /// (scaledJacobian()); empty if there are only polyhedra.
     std::optional<CellValue> smallestScaledJacobian;
 
-    /// The smallest volume of a cell; empty if there are no cells. Negative for a cell that is
+    /// The smallest volume of a cell, of second order that of its quadratic map; empty if there are
+    /// no cells. Negative for a cell that is
     /// inside out.
     std::optional<CellValue> smallestVolume;
 
@@ -78,12 +79,19 @@ ESPALIER_API MeshQuality meshQuality(const far::VolumeMesh& mesh,
 /// scaled Jacobian is the sine of the angle at a corner, relative to a regular triangle or a
 /// square. Measures between cells are left empty.
 ///
-/// \param mesh faces of second order are measured at their corners
+/// \param mesh of faces of second order, the area is exact, and the scaled Jacobian measured at the
+///        corners, with straight edges
 /// \param rest, positions one per point
 /// \throws Error if `rest` or `positions` does not fit
 /// \cost O(points of faces)
 ESPALIER_API MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3> rest,
                                         std::span<const Point3> positions);
+
+/// Measures the cells of a mesh: meshQuality() of its volume, or surfaceQuality() of its surface.
+/// \param rest, positions one per point
+/// \throws Error if `rest` or `positions` does not fit
+ESPALIER_API MeshQuality meshQuality(const far::SimulationMesh& mesh, std::span<const Point3> rest,
+                                     std::span<const Point3> positions);
 
 /// Returns the smallest determinant of three unit vectors along the edges at a corner of a cell,
 /// relative to the determinant in the regular cell: 1 for a cube, a regular tetrahedron, a wedge of

@@ -57,7 +57,7 @@ Piece<3> pieceOf(const limit::BezierPatch& patch) {
 }
 
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {
-    return floorsOf(first, last, 2 * kRounding);
+    return floorsOf(first, last, 2 * kDeterminantRounding);
 }
 
 }  // namespace espalier::solve

@@ -91,7 +91,7 @@ inline double meshUncertainty(std::span<const Index> points, std::span<const Poi
 }
 
 /// 512 units of rounding; a unit is half of epsilon.
-inline constexpr double kRounding = 256 * kEpsilon;
+inline constexpr double kDeterminantRounding = 256 * kEpsilon;
 
 /// Returns the rounding error of a coefficient.
 /// \param exact, longer volumes of the box of the lengths, and of their upper bounds
@@ -112,7 +112,7 @@ inline double determinantFloor(const PieceSize& size, double roundings = 1) {
     const auto volume = [](const std::array<double, 3>& lengths) {
         return lengths[0] * lengths[1] * lengths[2];
     };
-    return floorOf(volume(size.lengths), volume(size.longest()), roundings * kRounding);
+    return floorOf(volume(size.lengths), volume(size.longest()), roundings * kDeterminantRounding);
 }
 
 /// Returns the same bound while a piece changes linearly from `first` to `last`: Bernstein

@@ -263,6 +263,14 @@ void divide(Piece<2>& piece, std::size_t derivative, std::size_t axis) {
     }
 }
 
+/// Returns the mean of the determinant over the cube, which is the mean of its coefficients.
+double meanOf(const Piece<2>& piece) {
+    const auto polynomial = determinant(piece.derivatives);
+    double sum = 0;
+    for (const auto& coefficient : polynomial) sum += coefficient[0];
+    return sum / static_cast<double>(polynomial.size());
+}
+
 void measure(Piece<2>& piece) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         double& longest = piece.size.lengths[axis];
@@ -295,6 +303,18 @@ Piece<2> secondOrderCell(std::span<const Index> points, std::span<const Point3> 
     }
     measure(piece);
     return piece;
+}
+
+double secondOrderVolume(std::span<const Index> points, std::span<const Point3> positions) {
+    // With the factors that vanish where the cube is collapsed, this is the integral over the cell.
+    return meanOf(mapOf(cellWeights(points.size()), points, positions));
+}
+
+double secondOrderArea(std::span<const Index> points, std::span<const Point3> positions,
+                       const Point3& normal) {
+    Piece<2> piece = mapOf(faceWeights(points.size()), points, positions);
+    piece.derivatives[2].fill(normal);
+    return meanOf(piece);
 }
 
 Piece<2> secondOrderFace(std::span<const Index> points, std::span<const Point3> positions,

@@ -29,6 +29,9 @@ namespace espalier::solve {
 ///       nodal pyramidal elements, section 2
 Piece<2> secondOrderCell(std::span<const Index> points, std::span<const Point3> positions);
 
+/// Returns the volume of the same map: the integral of its determinant.
+double secondOrderVolume(std::span<const Index> points, std::span<const Point3> positions);
+
 /// Returns the map of a face of second order, whose third derivative is a constant: the
 /// determinant is the area along this normal.
 ///
@@ -36,5 +39,9 @@ Piece<2> secondOrderCell(std::span<const Index> points, std::span<const Point3> 
 ///        8 of a quadrilateral; 9 with its middle
 Piece<2> secondOrderFace(std::span<const Index> points, std::span<const Point3> positions,
                          const Point3& normal);
+
+/// Returns the area of the same map along a normal of length 1.
+double secondOrderArea(std::span<const Index> points, std::span<const Point3> positions,
+                       const Point3& normal);
 
 }  // namespace espalier::solve

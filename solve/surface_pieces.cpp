@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "principal_axes.h"
 #include "rotation_fit.h"
 #include "surface_pieces.h"
 
@@ -17,10 +18,8 @@ using Positions = std::span<const Point3>;
 
 /// Returns the normal of a face, whose length is the square root of the area.
 Point3 normalOf(std::span<const Index> corners, Positions positions) {
-    // Relative to a corner, so that a face far from the origin loses no digits.
     std::vector<Point3> loop;
-    for (const Index corner : corners)
-        loop.push_back(difference(positions[corner], positions[corners[0]]));
+    for (const Index corner : corners) loop.push_back(positions[corner]);
     const Point3 area = areaVector(loop);
     const double size = sizeOf(area);
     return size > 0 ? scaled(area, 1 / std::sqrt(size)) : area;
@@ -70,34 +69,50 @@ std::vector<Moments> momentsOfPoints(const far::SurfaceMesh& mesh, Positions res
 
 SurfacePieces::SurfacePieces(const far::SurfaceMesh& mesh, Positions rest)
     : mesh_(mesh), rest_(rest.begin(), rest.end()), normals_(mesh.faceCount()) {
-    Point3 widest{};
+    std::vector<Index> facesAt(mesh_.pointCount(), 0);
     for (Index face = 0; face < mesh_.faceCount(); ++face) {
         checkCancelledEvery(face, 12);
         normals_[face] = normalOf(mesh_.corners(face), rest_);
-        if (dot(normals_[face], normals_[face]) <= dot(widest, widest)) continue;
-        widest = normals_[face];
-        origin_ = rest_[mesh_.points(face)[0]];
+        for (const Index point : mesh_.points(face)) ++facesAt[point];
     }
-    const double width = sizeOf(widest);
-    if (width > 0) plane_ = scaled(widest, 1 / width);
-    double size = 0;
+    for (Index point = 0; point < mesh_.pointCount(); ++point)
+        if (facesAt[point] > 0) points_.push_back(point);
     for (Index face = 0; face < mesh_.faceCount(); ++face)
-        for (const Index point : mesh_.points(face))
-            size = std::max(size, sizeOf(difference(rest_[point], origin_)));
-    constexpr double kSinglePrecision = 1e-6;
-    tolerance_ = kSinglePrecision * size;
-    isPlanar_ = liesInPlane(rest_);
-    if (isPlanar_)
-        for (Point3& normal : normals_)
-            normal = scaled(plane_, std::copysign(sizeOf(normal), dot(normal, plane_)));
+        isolatedFaces_ += std::ranges::all_of(mesh_.corners(face),
+                                              [&](Index point) { return facesAt[point] == 1; });
+    // Files of single precision keep 6e-8 of each coordinate.
+    constexpr double kPlanar = 1e-6;
+    plane_ = planeNormal(rest_, kPlanar);
 }
 
-bool SurfacePieces::liesInPlane(Positions positions) const {
-    for (Index face = 0; face < mesh_.faceCount(); ++face)
-        for (const Index point : mesh_.points(face))
-            if (!(std::abs(dot(difference(positions[point], origin_), plane_)) <= tolerance_))
-                return false;
-    return true;
+std::optional<Point3> SurfacePieces::planeNormal(Positions positions, double tolerance) const {
+    if (points_.size() < 3) return std::nullopt;
+    const PrincipalAxes axes(points_, positions);
+    const Point3& normal = axes.directions[2];
+    double thickness = 0, size = 0;
+    for (const Index point : points_) {
+        const Point3 offset = difference(positions[point], axes.mean);
+        thickness = std::max(thickness, std::abs(dot(offset, normal)));
+        size = std::max(size, sizeOf(offset));
+    }
+    if (!(thickness <= tolerance * size)) return std::nullopt;
+    return normal;
+}
+
+bool SurfacePieces::usesNeighbours(Positions positions) const {
+    return !planeOf(positions);
+}
+
+std::optional<Point3> SurfacePieces::planeOf(Positions positions) const {
+    // cos 30°. Beyond it, a plane that turned over could not be told from a mirrored one.
+    constexpr double kLeastCosine = 0.866;
+    constexpr double kNearlyPlanar = 0.01;
+    if (!plane_) return std::nullopt;
+    const auto normal = planeNormal(positions, kNearlyPlanar);
+    if (!normal) return std::nullopt;
+    const double cosine = dot(*normal, *plane_);
+    if (!(std::abs(cosine) >= kLeastCosine)) return std::nullopt;
+    return scaled(*normal, std::copysign(1.0, cosine));
 }
 
 std::vector<Point3> SurfacePieces::withNormals(Positions positions) const {
@@ -105,8 +120,13 @@ std::vector<Point3> SurfacePieces::withNormals(Positions positions) const {
     result.reserve(positions.size() + normals_.size());
     result.assign(positions.begin(), positions.end());
     result.insert(result.end(), normals_.begin(), normals_.end());
-    const bool isAtRest = std::ranges::equal(positions, rest_);
-    if (isAtRest || (isPlanar_ && liesInPlane(positions))) return result;
+    if (std::ranges::equal(positions, rest_)) return result;
+    if (const auto plane = planeOf(positions)) {
+        for (Index face = 0; face < mesh_.faceCount(); ++face)
+            result[positions.size() + face] =
+                scaled(*plane, std::copysign(sizeOf(normals_[face]), dot(normals_[face], *plane_)));
+        return result;
+    }
     const std::vector<Moments> moments = momentsOfPoints(mesh_, rest_, positions);
     constexpr Offset kFaces = 1024;  // of one task
     parallelFor(mesh_.faceCount(), kFaces, [&](Offset first, Offset last) {

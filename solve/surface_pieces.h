@@ -5,6 +5,7 @@
 #include <espalier/far/surface_mesh.h>
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,13 +22,16 @@ namespace espalier::solve {
 /// - The area of a quadrilateral along a normal is smallest at a corner: four triangles.
 /// - A face of second order is one piece (secondOrderFace()).
 ///
-/// At rest, the normal is perpendicular to the corners of the face. In a pose, it is
+/// At rest, the normal is perpendicular to the corners of the face. In a pose, there are two cases:
 ///
-/// - the same, if the mesh lies in a plane at rest and in the same plane in the pose (within a
-///   millionth of its size, which files of single precision keep);
-/// - otherwise the normal at rest, turned by the rotation that moves the face and its neighbours
-///   best (the nearest one to the covariance of their corners). A surface in space may turn in any
-///   direction; only a face that turns against its neighbours is turned over.
+/// - The mesh is planar at rest, within a millionth of its size, and in the pose, within a
+/// hundredth,
+///   and the two planes differ by less than 30 degrees, as in a mesh of two dimensions. The normal
+///   is then the normal of the plane of the pose, with the sign that the face has at rest.
+/// - Otherwise the mesh is a surface in space, which may turn in any direction. The normal is the
+///   one at rest, turned by the rotation that moves the face and its neighbours best (the nearest
+///   one to the covariance of their corners). So a face counts as turned over only against its
+///   neighbours; a face that shares no point with others never does.
 class SurfacePieces {
 public:
     /// \param rest positions of the points at rest
@@ -37,6 +41,12 @@ public:
 
     /// Returns positions of the points, and after them the normal of each face.
     std::vector<Point3> withNormals(std::span<const Point3> positions) const;
+
+    /// Returns true if the normals in a pose come from neighbours: the second case.
+    bool usesNeighbours(std::span<const Point3> positions) const;
+
+    /// The faces that share no point with other faces.
+    Index isolatedFaces() const { return isolatedFaces_; }
 
     /// Calls visit(piece…) for each piece of a face, with the piece once for each of `positions`,
     /// which withNormals() returned.
@@ -53,14 +63,20 @@ public:
 
 private:
     Piece<0> triangle(Index face, std::size_t corner, std::span<const Point3> positions) const;
-    bool liesInPlane(std::span<const Point3> positions) const;
+    /// Returns the normal of the plane that the faces lie in; nothing if they lie in none.
+    /// \param tolerance largest distance from the plane, relative to the size
+    std::optional<Point3> planeNormal(std::span<const Point3> positions, double tolerance) const;
+
+    /// Returns the normal of the plane of a pose, near the normal at rest; nothing in the second
+    /// case.
+    std::optional<Point3> planeOf(std::span<const Point3> positions) const;
 
     far::SurfaceMesh mesh_;
     std::vector<Point3> rest_;
     std::vector<Point3> normals_;  ///< at rest, as long as the face is wide
-    bool isPlanar_ = false;
-    Point3 origin_{}, plane_{};  ///< a point of the plane and its unit normal
-    double tolerance_ = 0;       ///< distance from the plane
+    std::optional<Point3> plane_;  ///< the normal of a mesh that is planar at rest
+    std::vector<Index> points_;    ///< the points of the faces
+    Index isolatedFaces_ = 0;
 };
 
 }  // namespace espalier::solve

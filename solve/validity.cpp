@@ -219,6 +219,7 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
         if (orientation != 0) ofParts[part] = leastRatio(volume, part, orientation, rest_, posed);
     });
     PoseValidity result;
+    result.comparesNeighbours = volume.usesNeighbours(pose);
     result.ratios.resize(orientation_.size());
     for (Index part = 0; part < volume.partCount(); ++part) {
         const Index cell = volume.cellOf(part);
@@ -247,6 +248,7 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxS
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
             ends[vertex][c] += maxStep * (pose[vertex][c] - ends[vertex][c]);
+    if (volume.usesNeighbours(ends)) return stepByHalving(ends, maxStep);
     const LimitPositions end = volume.place(ends);
     // Each range of parts has its own step, because the last digits of a result depend on how far
     // earlier parts have shortened the step. Lengths are fractions of `maxStep` here.
@@ -262,6 +264,36 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxS
         if (step.length < result.length) result = step;
     result.length *= maxStep;
     return result;
+}
+
+Index ValidityCheck::isolatedFaces() const {
+    return volume_->isolatedFaces();
+}
+
+LargestStep ValidityCheck::stepByHalving(std::span<const Point3> end, double maxStep) const {
+    const auto firstInverted = [&](double share) -> std::optional<Index> {
+        std::vector<Point3> points = rest_.limits;
+        points.resize(end.size());
+        for (std::size_t point = 0; point < points.size(); ++point)
+            for (std::size_t c = 0; c < 3; ++c)
+                points[point][c] += share * (end[point][c] - points[point][c]);
+        const auto inverted = check(points).inverted;
+        return inverted.empty() ? std::nullopt : std::optional(inverted.front());
+    };
+    constexpr int kHalvings = 20;  // a millionth
+    double valid = 0, refused = 1;
+    auto limiting = firstInverted(1);
+    if (!limiting) return {maxStep, {}, false};
+    for (int halving = 0; halving < kHalvings; ++halving) {
+        const double middle = (valid + refused) / 2;
+        if (const auto inverted = firstInverted(middle)) {
+            refused = middle;
+            limiting = inverted;
+        } else {
+            valid = middle;
+        }
+    }
+    return {valid * maxStep, limiting, false};
 }
 
 std::vector<Index> cellsBadAtRest(const far::TopologyRefiner& base, std::span<const Point3> rest) {

@@ -36,6 +36,10 @@ struct PoseValidity {
 
     std::vector<Index> inverted;  ///< ascending; without cells that are bad at rest
 
+    /// True if the faces of a surface are compared with their neighbours alone
+    /// (ValidityCheck(SurfaceMesh)).
+    bool comparesNeighbours = false;
+
     /// The smallest of the ratios, with the lowest-numbered cell that has it; empty if no cell has
     /// a ratio.
     std::optional<CellValue> smallest;
@@ -52,7 +56,8 @@ struct LargestStep {
 
     /// True if that cell is invalid shortly after `length`: by a millionth of it, or 1e-12 of the
     /// requested maximum. False if the cell is so twisted that 2,000 halvings did not decide; it
-    /// may then stay valid.
+    /// may then stay valid. False, too, if the faces of a surface are compared with their
+    /// neighbours.
     bool isTight = true;
 };
 
@@ -125,18 +130,25 @@ public:
     ValidityCheck(const far::VolumeMesh& mesh, std::span<const Point3> rest);
 
     /// Prepares to check the faces of a surface, which are its cells in all results. Volumes are
-    /// areas along a normal here, all over the face. If the mesh lies in a plane, at rest and in
-    /// the pose (within a millionth of its size), this is the normal of the plane, with the
-    /// direction that gives the face a positive area at rest. In all other cases it is the normal
-    /// of the face at rest, turned by the rotation that moves the face and its neighbours best: a
-    /// surface in space may turn as a whole, and a face is inverted if it turns over against its
-    /// neighbours.
+    /// areas along a normal here, all over the face.
+    ///
+    /// - If the mesh is planar at rest, within a millionth of its size, and in the pose, within a
+    ///   hundredth, and the two planes differ by less than 30 degrees, this is the normal of the
+    ///   plane, with the sign that gives the face a positive area at rest.
+    /// - Otherwise it is the normal of the face at rest, turned by the rotation that moves the face
+    ///   and its neighbours best. A surface in space may turn as a whole; a face is inverted if it
+    ///   turns over against its neighbours. largestStep() is then not proved, but found by halving:
+    ///   shorter steps may invert faces.
     ///
     /// \param mesh kept (a copy)
     /// \param rest positions of its points at rest; copied
     /// \throws Error if `rest` does not fit, or a coordinate is not finite or beyond ±1e90
     /// \cost O(points of faces), in parallel
     ValidityCheck(const far::SurfaceMesh& mesh, std::span<const Point3> rest);
+
+    /// The number of faces of a surface that share no point with other faces. Where faces are
+    /// compared with their neighbours, these are never inverted.
+    Index isolatedFaces() const;
 
     /// The cells that are flat, folded or inside out at rest, ascending. A cell is inside out if
     /// its orientation differs from that of most cells in its connected component (joined by
@@ -164,6 +176,7 @@ public:
 
 private:
     ValidityCheck(CheckedVolume volume, std::span<const Point3> rest);
+    LargestStep stepByHalving(std::span<const Point3> end, double maxStep) const;
 
     std::shared_ptr<const CheckedVolume> volume_;
     limit::LimitPositions rest_;

@@ -84,6 +84,13 @@ public:
     /// on the order of the points of a wedge. The faces of a surface have normals of their own.
     std::vector<Index> orientationGroups() const;
 
+    /// Of a surface: whether the normals in a pose come from neighbours, and the number of faces
+    /// that have none (SurfacePieces).
+    bool usesNeighbours(std::span<const Point3> positions) const {
+        return surface_ && surface_->usesNeighbours(positions);
+    }
+    Index isolatedFaces() const { return surface_ ? surface_->isolatedFaces() : 0; }
+
     /// \param positions positions of the vertices. For a level or a mesh, the result has them as
     ///        `limits` and no `levels`; the centres of a mesh or the normals of a surface follow
     limit::LimitPositions place(std::span<const Point3> positions) const;

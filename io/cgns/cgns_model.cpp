@@ -25,9 +25,8 @@
 #include "../files/descriptor.h"
 #include "../files/number_types.h"
 #include "../format.h"
-#include "../meshes/patch_collector.h"
+#include "../meshes/mesh_cells.h"
 #include "../meshes/surface_faces.h"
-#include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "cgns_check.h"
 
@@ -245,27 +244,26 @@ private:
     int number_ = 0;
 };
 
-/// Brings the points of a cell of second order into VTK's order; VolumeCells turns wedges. The
+/// Brings the points of a cell of second order into VTK's order; MeshCells turns wedges. The
 /// places of points in tetrahedra and pyramids are VTK's; in wedges and hexahedra, the edges along
 /// the axis come before the edges of the upper end, and faces go around the axis.
 std::vector<Index> inVtkOrder(const std::vector<Index>& points) {
-    const auto of = []<class... Corners>(Corners... corners) {
-        return static_cast<far::CornerBits>(((1u << corners) | ...));
-    };
-    static const far::CornerBits kWedge[] = {
-        of(0),    of(1),    of(2),    of(3),          of(4),          of(5),
-        of(0, 1), of(1, 2), of(2, 0), of(0, 3),       of(1, 4),       of(2, 5),
-        of(3, 4), of(4, 5), of(5, 3), of(0, 1, 4, 3), of(1, 2, 5, 4), of(2, 0, 3, 5)};
-    static const far::CornerBits kHexahedron[] = {
-        of(0),          of(1),          of(2),
-        of(3),          of(4),          of(5),
-        of(6),          of(7),          of(0, 1),
-        of(1, 2),       of(2, 3),       of(3, 0),
-        of(0, 4),       of(1, 5),       of(2, 6),
-        of(3, 7),       of(4, 5),       of(5, 6),
-        of(6, 7),       of(7, 4),       of(0, 3, 2, 1),
-        of(0, 1, 5, 4), of(1, 2, 6, 5), of(2, 3, 7, 6),
-        of(0, 4, 7, 3), of(4, 5, 6, 7), of(0, 1, 2, 3, 4, 5, 6, 7)};
+    using far::between;
+    static constexpr far::CornerBits kWedge[] = {
+        between(0),          between(1),          between(2),         between(3),    between(4),
+        between(5),          between(0, 1),       between(1, 2),      between(2, 0), between(0, 3),
+        between(1, 4),       between(2, 5),       between(3, 4),      between(4, 5), between(5, 3),
+        between(0, 1, 4, 3), between(1, 2, 5, 4), between(2, 0, 3, 5)};
+    static constexpr far::CornerBits kHexahedron[] = {
+        between(0),          between(1),          between(2),
+        between(3),          between(4),          between(5),
+        between(6),          between(7),          between(0, 1),
+        between(1, 2),       between(2, 3),       between(3, 0),
+        between(0, 4),       between(1, 5),       between(2, 6),
+        between(3, 7),       between(4, 5),       between(5, 6),
+        between(6, 7),       between(7, 4),       between(0, 3, 2, 1),
+        between(0, 1, 5, 4), between(1, 2, 6, 5), between(2, 3, 7, 6),
+        between(0, 4, 7, 3), between(4, 5, 6, 7), between(0, 1, 2, 3, 4, 5, 6, 7)};
     static constexpr std::size_t kCorners[] = {0, 1, 2, 3, 4, 5, 6, 7};
     switch (far::kindOfCell(points.size()).value()) {
         case far::StandardCell::Wedge:
@@ -301,6 +299,7 @@ private:
     };
 
     void visitGrid() {
+        visitor_.beginGroups({});
         std::array<std::size_t, 3> size = {1, 1, 1};
         for (std::size_t axis = 0; axis < std::min<std::size_t>(3, zone_.extent.size()); ++axis)
             size[axis] = zone_.extent[axis];
@@ -326,14 +325,15 @@ private:
             sections, [](const Section& section) { return section.type == CGNS_ENUMV(NFACE_n); });
         std::map<cgsize_t, std::vector<Index>> loops;  ///< faces by the numbers of their elements
         for (const Section& section : sections) {
-            if (section.type == CGNS_ENUMV(NGON_n))
-                for (std::size_t i = 0; i < section.count; ++i) {
-                    const std::vector<Index> loop = points(rowOf(section, i));
-                    if (hasCellsOfFaces)
-                        loops[static_cast<cgsize_t>(section.first + i)] = loop;
-                    else
-                        visitor_.face(loop);
-                }
+            if (section.type != CGNS_ENUMV(NGON_n)) continue;
+            visitor_.beginGroups(std::span(&section.name, 1));
+            for (std::size_t i = 0; i < section.count; ++i) {
+                const std::vector<Index> loop = points(rowOf(section, i));
+                if (hasCellsOfFaces)
+                    loops[static_cast<cgsize_t>(section.first + i)] = loop;
+                else
+                    visitor_.face(loop);
+            }
         }
         for (const Section& section : sections) {
             if (section.type == CGNS_ENUMV(NGON_n)) continue;
@@ -449,9 +449,9 @@ private:
         std::optional<far::StandardCell> kind;
         switch (type) {
             case CGNS_ENUMV(NODE):
-                return visitor_.smallCell(0);
+                return visitor_.smallCell(0, {});
             case CGNS_ENUMV(BAR_2):
-                return visitor_.smallCell(1);
+                return visitor_.smallCell(1, points(numbers));
             case CGNS_ENUMV(TRI_3):
             case CGNS_ENUMV(QUAD_4):
                 return visitor_.face(points(numbers));
@@ -549,19 +549,13 @@ public:
         return surface.take();
     }
 
-    ModelVolume readVolume() const override {
-        VolumeCells cells;
+    ModelCells readCells() const override {
+        MeshCells cells;
         visitCells(cells);
         return cells.finish(positions_);
     }
 
-    std::vector<far::MeshPatch> readPatches() const override {
-        PatchCollector patches;
-        visitCells(patches);
-        return patches.take();
-    }
-
-    std::vector<PointGroup> groups() const override { return groupsOf(readPatches()); }
+    std::vector<PointGroup> groups() const override { return groupsOf(readCells().patches); }
 
 private:
     void readCoordinates(const NodeFile& nodes, Zone& zone) {

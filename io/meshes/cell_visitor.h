@@ -7,9 +7,14 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace espalier::io {
+
+/// Returns the name of a group that has only a number in the file: "line 3", "surface 3" or
+/// "volume 3".
+std::string nameOfGroup(int dimension, std::string_view number);
 
 /// Receives the cells of a file, in their order.
 class CellVisitor {
@@ -36,8 +41,8 @@ public:
     /// A face of a cell on the boundary, from a format that lists the faces of its cells.
     virtual void boundaryFace(std::span<const Index>) {}
 
-    /// A vertex (dimension 0) or a line (dimension 1).
-    virtual void smallCell(int dimension) = 0;
+    /// A vertex (dimension 0) or a straight line (dimension 1).
+    virtual void smallCell(int dimension, std::span<const Index> points) = 0;
 
     /// A cell whose edges are curved, such as a quadratic one. It has the vertices of a straight
     /// one, and more.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "../files/bytes.h"
 #include "../files/number_types.h"
@@ -247,25 +248,56 @@ std::vector<FoamPatch> FoamFile::patches() {
     std::vector<FoamPatch> patches(patchCount);
     expect("(");
     for (FoamPatch& patch : patches) {
-        patch.name = word("the name of a patch");
+        patch.name = text("the name of a patch");
         expect("{");
+        std::optional<Index> faceCount, startFace;
         while (true) {
             const std::string key(word("a keyword of a patch"));
             if (key == "}") break;
-            if (key == "nFaces") patch.faceCount = textLabel("the number of faces of a patch");
-            if (key == "startFace") patch.startFace = textLabel("the first face of a patch");
-            if (key == "type") patch.type = word("the type of a patch");
-            if (key == "neighbourPatch") patch.neighbourPatch = word("the name of a patch");
-            // The values of other keywords are skipped: words, lists, and dictionaries in braces.
-            int depth = 0;
-            for (std::string_view next = word(";"); next != ";" || depth > 0; next = word(";")) {
-                depth += next == "{" ? 1 : next == "}" ? -1 : 0;
-                if (next == "}" && depth == 0) break;
+            if (key.starts_with('#') || key.starts_with('$'))
+                fail(concat("the patch ", inQuotes(patch.name), " has ", inQuotes(key),
+                            ", which cannot be read; write the file without macros"));
+            if (key == "nFaces") {
+                faceCount = textLabel("the number of faces of a patch");
+                expect(";");
+            } else if (key == "startFace") {
+                startFace = textLabel("the first face of a patch");
+                expect(";");
+            } else if (key == "type" || key == "neighbourPatch") {
+                (key == "type" ? patch.type : patch.neighbourPatch) = text(key.c_str());
+                expect(";");
+            } else {
+                skipValue();
             }
         }
+        if (patch.type.empty() || !faceCount || !startFace)
+            fail(concat("the patch ", inQuotes(patch.name), " has no ",
+                        patch.type.empty() ? "type"
+                        : faceCount        ? "startFace"
+                                           : "nFaces"));
+        patch.faceCount = *faceCount;
+        patch.startFace = *startFace;
     }
     expect(")");
     return patches;
+}
+
+std::string FoamFile::text(const char* what) {
+    std::string_view text = word(what);
+    if (text.size() > 1 && text.front() == '"' && text.back() == '"')
+        text = text.substr(1, text.size() - 2);
+    return std::string(text);
+}
+
+void FoamFile::skipValue() {
+    int depth = 0;
+    while (true) {
+        const std::string_view next = word(";");
+        if (next == "{") ++depth;
+        if (next == "}" && --depth < 0) fail("expected ;, got }");
+        // A dictionary ends without a semicolon.
+        if (depth == 0 && (next == ";" || next == "}")) return;
+    }
 }
 
 void FoamFile::expectEnd() {

@@ -60,6 +60,12 @@ private:
     std::string_view word(const char* what);
     void expect(std::string_view mark);
     std::size_t count(const char* what, std::size_t minBytes);
+    /// Returns a word without its quotation marks.
+    std::string text(const char* what);
+
+    /// Skips the value of a keyword: words and lists up to a semicolon, or a dictionary in braces.
+    void skipValue();
+
     Index label(const char* what, Index least = 0);
     Index textLabel(const char* what, Index least = 0);  ///< also in a binary file
     Index checkedLabel(std::int64_t number, const char* what, Index least) const;

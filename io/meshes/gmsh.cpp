@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -32,13 +33,7 @@
 namespace espalier::io {
 namespace {
 
-using far::CornerBits;
-
-/// Returns the corners that a node of second order lies between.
-template <class... Corners>
-constexpr CornerBits between(Corners... corners) {
-    return static_cast<CornerBits>(((1u << corners) | ...));
-}
+using far::between, far::CornerBits;
 
 // The nodes of cells of second order as Gmsh orders them. The smaller number of nodes of a kind is
 // a prefix of the larger one.
@@ -388,20 +383,24 @@ private:
         } else if (type.dimension == 2) {
             visitor.face(nodes_);
         } else {
-            visitor.smallCell(type.dimension);
+            visitor.smallCell(type.dimension, nodes_);
         }
     }
 
-    /// Returns the name of a physical group of surfaces or volumes.
+    /// Returns the name of a physical group.
     std::string groupName(std::int64_t dimension, std::int64_t tag) const {
         const auto found = groupNames_.find({dimension, tag});
         if (found != groupNames_.end()) return found->second;
-        return concat(dimension == 2 ? "surface " : "volume ", tag);
+        return nameOfGroup(static_cast<int>(dimension), concat(tag));
     }
 
-    /// Begins the group of an element of version 2, which has one; 0 is none.
-    void beginGroup(std::int64_t dimension, std::int64_t tag, CellVisitor& visitor) const {
-        if (tag == 0 || dimension < 2) return visitor.beginGroups({});
+    /// Begins the group of the next elements of version 2, unless it is the current one. An element
+    /// has one group; 0 is none.
+    void beginGroup(std::int64_t dimension, std::int64_t tag, CellVisitor& visitor) {
+        const DimensionAndTag group(dimension, dimension < 1 ? 0 : tag);
+        if (group == currentGroup_) return;
+        currentGroup_ = group;
+        if (group.second == 0) return visitor.beginGroups({});
         const std::string name = groupName(dimension, tag);
         visitor.beginGroups(std::span(&name, 1));
     }
@@ -438,6 +437,8 @@ private:
     }
 
     void readEntities(GmshReader& into) {
+        constexpr std::size_t kMaxGroups = 100;
+        constexpr std::int64_t kMaxTag = std::numeric_limits<std::int32_t>::max();
         std::array<std::size_t, 4> counts{};
         for (std::size_t& number : counts)
             number = count<std::uint64_t>("the number of entities", isBinary_ ? 28 : 8);
@@ -447,9 +448,16 @@ private:
                 // A point, or the two corners of a box around the entity.
                 for (int number = 0; number < (dimension == 0 ? 3 : 6); ++number) skipParameter();
                 const std::size_t groups = count<std::uint64_t>("the number of physical groups", 4);
+                // Each element of the entity is added to each of its groups.
+                if (groups > kMaxGroups)
+                    text_.fail(concat("an entity has ", groups, " physical groups; at most ",
+                                      kMaxGroups, " can be read"));
                 for (std::size_t group = 0; group < groups; ++group) {
                     const std::int64_t tag = integer<std::int32_t>("the tag of a physical group");
-                    if (dimension >= 2)
+                    if (tag < -kMaxTag || tag > kMaxTag)
+                        text_.fail(concat("the tag of a physical group is ", tag,
+                                          "; expected up to ", kMaxTag));
+                    if (dimension >= 1)
                         into.groupsOfEntities_[{dimension, entity}].push_back(
                             into.groupName(dimension, std::abs(tag)));
                 }
@@ -490,6 +498,7 @@ private:
                                   " are left"));
             for (std::size_t i = 0; i < inBlock; ++i) {
                 if (isBinary_) integer<std::int32_t>("the number of an element");
+                if (tagCount == 0 && visitor.wantsGroups()) beginGroup(type->dimension, 0, visitor);
                 for (std::size_t tag = 0; tag < tagCount; ++tag) {
                     const std::int64_t value = integer<std::int32_t>("a tag of an element");
                     if (tag == 0 && visitor.wantsGroups())
@@ -545,6 +554,7 @@ private:
     std::vector<std::pair<std::int64_t, Index>> tags_;  ///< the tags of all nodes, and the nodes
 
     using DimensionAndTag = std::pair<std::int64_t, std::int64_t>;
+    DimensionAndTag currentGroup_ = {};
     std::map<DimensionAndTag, std::string> groupNames_;                     ///< of physical groups
     std::map<DimensionAndTag, std::vector<std::string>> groupsOfEntities_;  ///< version 4
     std::vector<Index> nodes_;  ///< the nodes of the current element

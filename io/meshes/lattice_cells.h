@@ -23,7 +23,7 @@ public:
     void cell(far::StandardCell kind, std::span<const Index> points) override;
     void polyhedron(std::span<const std::vector<Index>> loops) override;
     void face(std::span<const Index>) override { ++skipped_[2]; }
-    void smallCell(int dimension) override { ++skipped_[dimension]; }
+    void smallCell(int dimension, std::span<const Index>) override { ++skipped_[dimension]; }
 
     /// \throws FileError if the cell is of dimension 3
     void curvedCell(int dimension, std::span<const Index> points) override;

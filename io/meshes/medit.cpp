@@ -125,6 +125,7 @@ private:
         const std::size_t count = text_.count("the number of elements", 2 * section.nodes);
         std::vector<Index> nodes(section.nodes);
         const bool hasReference = section.dimension > 0;
+        std::string_view last;  // the last reference
         for (std::size_t i = 0; i < count; ++i) {
             for (Index& node : nodes) {
                 const auto number = text_.number<std::int64_t>("a vertex of an element");
@@ -135,9 +136,10 @@ private:
             }
             if (hasReference) {
                 const std::string_view reference = text_.token("the reference of an element");
-                if (visitor.wantsGroups() && section.dimension >= 2) {
-                    const std::string name =
-                        concat(section.dimension == 2 ? "surface " : "volume ", reference);
+                if (visitor.wantsGroups() && section.dimension >= 1 &&
+                    (i == 0 || reference != last)) {
+                    last = reference;
+                    const std::string name = nameOfGroup(section.dimension, reference);
                     visitor.beginGroups(std::span(&name, 1));
                 }
             }
@@ -150,7 +152,7 @@ private:
             else if (section.dimension == 2)
                 visitor.face(nodes);
             else
-                visitor.smallCell(section.dimension);
+                visitor.smallCell(section.dimension, nodes);
         }
     }
 

@@ -30,20 +30,16 @@ struct MeshFormat {
     void (*readCells)(const std::filesystem::path& path, std::string_view bytes, Index pointCount,
                       CellVisitor& visitor);
 
-    /// Reads the volume from files beside `path`; null if readCells() has the cells.
-    far::VolumeMesh (*readVolume)(const std::filesystem::path& path, Index pointCount) = nullptr;
-
-    /// Reads the patches from files beside `path`; null if readCells() has them as groups.
-    std::vector<far::MeshPatch> (*readPatches)(const std::filesystem::path& path,
-                                               Index pointCount) = nullptr;
+    /// Reads the mesh from files beside `path`; null if readCells() has the cells.
+    far::SimulationMesh (*readBeside)(const std::filesystem::path& path,
+                                      Index pointCount) = nullptr;
 
     /// FileModelFormat::checkTarget.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
 };
 
 ModelSurface readMeshSurface(const MeshFormat& format, const FileView& file);
-ModelVolume readMeshVolume(const MeshFormat& format, const FileView& file);
-std::vector<far::MeshPatch> readMeshPatches(const MeshFormat& format, const FileView& file);
+ModelCells readMeshCells(const MeshFormat& format, const FileView& file);
 
 /// Reads the volume cells of a mesh as a lattice. Vertices, lines and faces of surfaces are
 /// skipped; points that no cell uses are dropped.
@@ -58,8 +54,7 @@ template <const MeshFormat& format>
 inline constexpr FileModelFormat kMeshModel = {
     .readNumbers = format.readPoints,
     .readSurface = [](const FileView& file) { return readMeshSurface(format, file); },
-    .readVolume = [](const FileView& file) { return readMeshVolume(format, file); },
-    .readPatches = [](const FileView& file) { return readMeshPatches(format, file); },
+    .readCells = [](const FileView& file) { return readMeshCells(format, file); },
     .checkTarget = format.checkTarget};
 
 /// Format::readModel and Format::readLattice of a format of meshes.

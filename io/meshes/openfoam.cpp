@@ -143,35 +143,41 @@ FileNumbers readPoints(const Path& path, std::string_view bytes) {
     return numbers;
 }
 
-far::VolumeMesh readVolume(const Path& path, Index pointCount) {
-    return meshOf(path, pointCount, readFoamCells(path));
-}
-
-/// Reads the patches of the file "boundary"; none if there is no such file.
-std::vector<far::MeshPatch> readPatches(const Path& path, Index pointCount) {
-    const auto folder = facesFolder(path);
+/// Returns the patches of the file "boundary"; none if there is no such file.
+std::vector<far::MeshPatch> readPatches(const Path& points, const far::VolumeMesh& mesh) {
+    const auto folder = facesFolder(points);
     if (!folder || !existsUncompressed(*folder / "boundary")) return {};
-    const far::VolumeMesh mesh = readVolume(path, pointCount);
     const auto ofFile =
         readFoamFile(*folder / "boundary", [](FoamFile& file) { return file.patches(); });
     std::vector<far::MeshPatch> patches;
+    Index end = mesh.internalFaceCount();
     for (const FoamPatch& patch : ofFile) {
+        // As in OpenFOAM, patches follow the internal faces and each other.
+        if (patch.faceCount > 0 && (patch.startFace < end || patch.startFace > mesh.faceCount() ||
+                                    patch.faceCount > mesh.faceCount() - patch.startFace))
+            throw FileError(*folder / "boundary",
+                            concat("the patch ", inQuotes(patch.name), " has ", patch.faceCount,
+                                   " faces from face ", patch.startFace, " on; expected faces of ",
+                                   end, " to ", mesh.faceCount() - 1));
+        if (patch.faceCount > 0) end = patch.startFace + patch.faceCount;
         far::MeshPatch& result = patches.emplace_back(far::MeshPatch{patch.name, patch.type});
         result.partner = patch.neighbourPatch;
-        if (patch.faceCount > mesh.faceCount() - patch.startFace)
-            throw FileError(
-                *folder / "boundary",
-                concat("the patch ", inQuotes(patch.name), " has the faces from ", patch.startFace,
-                       " on, ", patch.faceCount, " in number; there are ", mesh.faceCount()));
+        result.dimension = 2;
         for (Index face = patch.startFace; face < patch.startFace + patch.faceCount; ++face) {
             const auto corners = mesh.face(face);
             result.points.insert(result.points.end(), corners.begin(), corners.end());
-            result.faces.values.insert(result.faces.values.end(), corners.begin(), corners.end());
-            result.faces.offsets.push_back(static_cast<Offset>(result.faces.values.size()));
+            result.faces.push(corners);
         }
         sortUnique(result.points);
     }
     return patches;
+}
+
+far::SimulationMesh readBeside(const Path& path, Index pointCount) {
+    far::SimulationMesh mesh;
+    mesh.volume = meshOf(path, pointCount, readFoamCells(path));
+    mesh.patches = readPatches(path, mesh.volume);
+    return mesh;
 }
 
 void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor& visitor) {
@@ -222,7 +228,7 @@ void checkTarget(const FileView& file, const Path& target) {
         refuse(concat("which has ", count, " points, and not ", file.pointCount()));
 }
 
-constexpr MeshFormat kFoamMesh = {readPoints, readCells, readVolume, readPatches, checkTarget};
+constexpr MeshFormat kFoamMesh = {readPoints, readCells, readBeside, checkTarget};
 
 /// Returns the folder polyMesh that a folder means; nothing if there is none.
 std::optional<Path> polyMeshOf(const Path& folder) {

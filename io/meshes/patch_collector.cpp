@@ -1,48 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/base/sort_unique.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "cell_visitor.h"
 #include "patch_collector.h"
 
 namespace espalier::io {
 
-void PatchCollector::beginGroups(std::span<const std::string> names) {
-    current_.clear();
-    for (const std::string& name : names) {
-        const auto [at, isNew] = numbers_.try_emplace(name, patches_.size());
-        if (isNew) patches_.push_back({name});
-        current_.push_back(at->second);
-    }
+std::string nameOfGroup(int dimension, std::string_view number) {
+    return concat(dimension == 1 ? "line " : dimension == 2 ? "surface " : "volume ", number);
 }
 
-void PatchCollector::add(std::span<const Index> points) {
-    for (const std::size_t number : current_) {
-        auto& all = patches_[number].points;
-        all.insert(all.end(), points.begin(), points.end());
+void PatchCollector::begin(std::span<const std::string> names) {
+    current_.clear();
+    for (const std::string& name : names) {
+        const auto [at, isNew] = numbers_.try_emplace(name, static_cast<Index>(patches_.size()));
+        if (isNew) {
+            patches_.push_back({name});
+            points_.emplace_back();
+        }
+        current_.push_back(at->second);
+    }
+    sortUnique(current_);
+}
+
+void PatchCollector::add(int dimension, std::span<const Index> points) {
+    for (const Index point : points) largestPoint_ = std::max(largestPoint_, point);
+    for (const Index number : current_) {
+        patches_[number].dimension = std::max(patches_[number].dimension, dimension);
+        auto& [list, bits] = points_[number];
+        // Many small groups must not have bits for all points, and a large group not a long list.
+        constexpr Index kShort = 1024, kPointsOfAnEntry = 64;
+        if (bits.empty() &&
+            std::cmp_greater(list.size(), std::max(kShort, largestPoint_ / kPointsOfAnEntry))) {
+            bits.resize(std::size_t(largestPoint_) + 1);
+            for (const Index point : std::exchange(list, {})) bits[point] = true;
+        }
+        for (const Index point : points) {
+            // A point that does not exist is an error of the cells.
+            if (point < 0) continue;
+            if (bits.empty()) {
+                list.push_back(point);
+                continue;
+            }
+            if (std::cmp_greater_equal(point, bits.size()))
+                bits.resize(std::max(std::size_t(point) + 1, 2 * bits.size()));
+            bits[point] = true;
+        }
     }
 }
 
 void PatchCollector::addFace(std::span<const Index> corners) {
-    for (const std::size_t number : current_) {
-        auto& faces = patches_[number].faces;
-        faces.values.insert(faces.values.end(), corners.begin(), corners.end());
-        faces.offsets.push_back(static_cast<Offset>(faces.values.size()));
-    }
-}
-
-void PatchCollector::face(std::span<const Index> points) {
-    add(points);
-    addFace(points);
-}
-
-void PatchCollector::curvedCell(int dimension, std::span<const Index> points) {
-    add(points);
-    if (dimension == 2 && !points.empty()) addFace(points.first(points.size() == 6 ? 3 : 4));
+    for (const Index number : current_) patches_[number].faces.push(corners);
 }
 
 std::vector<far::MeshPatch> PatchCollector::take() {
-    for (far::MeshPatch& patch : patches_) sortUnique(patch.points);
+    for (std::size_t number = 0; number < patches_.size(); ++number) {
+        auto& [list, bits] = points_[number];
+        sortUnique(list);
+        for (std::size_t point = 0; point < bits.size(); ++point)
+            if (bits[point]) list.push_back(static_cast<Index>(point));
+        patches_[number].points = std::move(list);
+    }
     std::erase_if(patches_, [](const far::MeshPatch& patch) { return patch.points.empty(); });
     return std::move(patches_);
 }

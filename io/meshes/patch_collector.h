@@ -1,41 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/mesh_patch.h>
+#include <espalier/far/simulation_mesh.h>
 
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "cell_visitor.h"
-
 namespace espalier::io {
 
-/// Collects the named groups of elements of a mesh.
-class PatchCollector final : public CellVisitor {
+/// Collects the named groups of the elements of a mesh.
+class PatchCollector {
 public:
-    bool wantsGroups() const override { return true; }
-    void beginGroups(std::span<const std::string> names) override;
-    void cell(far::StandardCell, std::span<const Index> points) override { add(points); }
-    void polyhedron(std::span<const std::vector<Index>> loops) override {
-        for (const auto& loop : loops) add(loop);
-    }
-    void face(std::span<const Index> points) override;
-    void smallCell(int) override {}
-    void curvedCell(int dimension, std::span<const Index> points) override;
-    void unknownElement(std::size_t, const std::string&) override {}
+    /// The next elements belong to these groups.
+    void begin(std::span<const std::string> names);
 
-    /// Returns the groups in the order of their first elements. This must not be used afterwards.
+    /// Adds the points of an element.
+    void add(int dimension, std::span<const Index> points);
+
+    /// Adds the corners of a face.
+    void addFace(std::span<const Index> corners);
+
+    /// Returns the groups that have points, in the order in which they began. This must not be used
+    /// afterwards.
     std::vector<far::MeshPatch> take();
 
 private:
-    void add(std::span<const Index> points);
-    void addFace(std::span<const Index> corners);
+    /// The points of a group: first as a list with duplicates, and from a certain length on as one
+    /// bit for each point of the mesh.
+    struct Points {
+        std::vector<Index> list;
+        std::vector<bool> bits;
+    };
 
     std::vector<far::MeshPatch> patches_;
-    std::map<std::string, std::size_t> numbers_;
-    std::vector<std::size_t> current_;  ///< the groups of the next elements
+    std::vector<Points> points_;  ///< of each patch
+    std::map<std::string, Index> numbers_;
+    std::vector<Index> current_;  ///< the groups of the next elements
+    Index largestPoint_ = 0;
 };
 
 }  // namespace espalier::io

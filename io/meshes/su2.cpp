@@ -73,6 +73,7 @@ public:
                 }
                 const std::size_t elementCount = countOf(value, std::string(keyword).c_str(), 4);
                 for (std::size_t i = 0; i < elementCount; ++i) readElement(pointCount, visitor);
+                marker_.clear();
                 return true;
             }
             return false;
@@ -185,9 +186,9 @@ private:
         }
         switch (type) {
             case 1:
-                return visitor.smallCell(0);
+                return visitor.smallCell(0, nodes_);
             case 3:
-                return visitor.smallCell(1);
+                return visitor.smallCell(1, nodes_);
             case 5:
             case 9:
                 return visitor.face(nodes_);

@@ -24,7 +24,7 @@ public:
         faces.endFace();
     }
     void boundaryFace(std::span<const Index> points) override { face(points); }
-    void smallCell(int) override {}
+    void smallCell(int, std::span<const Index>) override {}
     void curvedCell(int dimension, std::span<const Index>) override {
         cellCount_ += dimension == 3 ? 1 : 0;
     }

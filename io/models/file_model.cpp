@@ -50,19 +50,15 @@ public:
         return counts;
     }
     ModelSurface readSurface() const override { return functions_.readSurface(view()); }
-    ModelVolume readVolume() const override {
-        return functions_.readVolume ? functions_.readVolume(view()) : ModelVolume{};
+    ModelCells readCells() const override {
+        return functions_.readCells ? functions_.readCells(view()) : ModelCells{};
     }
     std::vector<PointAttribute> attributes() const override {
         return functions_.attributes ? functions_.attributes(view())
                                      : std::vector<PointAttribute>();
     }
-    std::vector<far::MeshPatch> readPatches() const override {
-        return functions_.readPatches ? functions_.readPatches(view())
-                                      : std::vector<far::MeshPatch>();
-    }
     std::vector<PointGroup> groups() const override {
-        return functions_.groups ? functions_.groups(view()) : groupsOf(readPatches());
+        return functions_.groups ? functions_.groups(view()) : groupsOf(readCells().patches);
     }
 
 private:

@@ -87,15 +87,13 @@ struct FileModelFormat {
 
     ModelSurface (*readSurface)(const FileView& file);
 
-    /// Null if the format has no cells.
-    ModelVolume (*readVolume)(const FileView& file) = nullptr;
+    /// Model::readCells(); null if the format has no cells.
+    ModelCells (*readCells)(const FileView& file) = nullptr;
 
-    /// Model::attributes() and Model::groups(); null if the format has none.
+    /// Model::attributes() and Model::groups(); null if the format has none. The groups of a mesh
+    /// are its patches.
     std::vector<PointAttribute> (*attributes)(const FileView& file) = nullptr;
     std::vector<PointGroup> (*groups)(const FileView& file) = nullptr;
-
-    /// Model::readPatches(), which are groups, too; null if the format has none.
-    std::vector<far::MeshPatch> (*readPatches)(const FileView& file) = nullptr;
 
     /// Throws unless the numbers may be written to `target`; null if any name will do.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;

@@ -53,18 +53,18 @@ std::optional<Index> HeldPoints::findUsed(const Model& model) const {
     }
     for (std::size_t face = 0; face < surface.faces.count(); ++face)
         if (const auto used = findMixed(surface.faces[face])) return used;
-    const ModelVolume volume = model.readVolume();
-    for (Index face = 0; face < volume.mesh.faceCount(); ++face)
-        if (const auto used = findMixed(volume.mesh.face(face))) return used;
+    const ModelCells cells = model.readCells();
+    for (Index face = 0; face < cells.volume.faceCount(); ++face)
+        if (const auto used = findMixed(cells.volume.face(face))) return used;
     // The points between the corners of cells and faces of second order.
-    for (Index cell = 0; cell < volume.mesh.cellCount(); ++cell)
-        if (const auto used = findMixed(volume.mesh.points(cell))) return used;
-    for (Index face = 0; face < volume.surface.faceCount(); ++face)
-        if (const auto used = findMixed(volume.surface.points(face))) return used;
+    for (Index cell = 0; cell < cells.volume.cellCount(); ++cell)
+        if (const auto used = findMixed(cells.volume.points(cell))) return used;
+    for (Index face = 0; face < cells.surface.faceCount(); ++face)
+        if (const auto used = findMixed(cells.surface.points(face))) return used;
     // Shapes that are not read may use any point.
-    const bool isReadInFull = volume.curvedCells == 0 && volume.curvedFaces == 0 &&
-                              volume.unknownElements == 0 &&
-                              (surface.otherShapes.empty() || volume.count() > 0);
+    const bool isReadInFull = cells.curvedCells == 0 && cells.curvedFaces == 0 &&
+                              cells.unknownElements == 0 &&
+                              (surface.otherShapes.empty() || cells.cellCount() > 0);
     if (isReadInFull) return std::nullopt;
     return static_cast<Index>(points_.front().point);
 }

@@ -30,7 +30,7 @@ public:
     /// Returns a held point that must not be: a corner of a face or a cell with finite corners; or
     /// any, if no point is finite. Returns nothing if all may be held.
     /// \param model whose positions have the stand-ins
-    /// \throws as Model::readSurface() and Model::readVolume()
+    /// \throws as Model::readSurface() and Model::readCells()
     std::optional<Index> findUsed(const Model& model) const;
 
     /// Puts the numbers of the file back.

@@ -165,7 +165,7 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
         if (*dimension == 2)
             addFace(type, vertices);
         else
-            visitor_.smallCell(*dimension);
+            visitor_.smallCell(*dimension, {});
         ++cellInFile_;
         return;
     }

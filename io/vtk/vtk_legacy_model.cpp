@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "../lattices/lattice_parts.h"
-#include "../meshes/volume_cells.h"
+#include "../meshes/mesh_cells.h"
 #include "../models/file_model.h"
 #include "../models/point_data.h"
 #include "vtk_cells.h"
@@ -306,8 +306,8 @@ ModelSurface readLegacySurface(const FileView& file) {
     return surface;
 }
 
-ModelVolume readLegacyVolume(const FileView& file) {
-    VolumeCells volume;
+ModelCells readLegacyCells(const FileView& file) {
+    MeshCells volume;
     VtkCellReader cells(file.path, file.pointCount(), volume, true);
     LegacyVolumeReader(file.path, file.bytes).read(file.path, cells);
     return withPathInErrors(file.path, [&] { return volume.finish(file.numbers.points.values); });
@@ -337,7 +337,7 @@ std::vector<PointAttribute> legacyAttributes(const FileView& file) {
 
 constexpr FileModelFormat kLegacyModel = {.readNumbers = readLegacyNumbers,
                                           .readSurface = readLegacySurface,
-                                          .readVolume = readLegacyVolume,
+                                          .readCells = readLegacyCells,
                                           .attributes = legacyAttributes};
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "../files/bytes.h"
 #include "../format.h"
 #include "../lattices/lattice_parts.h"
-#include "../meshes/volume_cells.h"
+#include "../meshes/mesh_cells.h"
 #include "../models/coordinates.h"
 #include "../models/held_points.h"
 #include "../models/point_data.h"
@@ -161,13 +161,13 @@ public:
         return surface;
     }
 
-    ModelVolume readVolume() const override {
-        VolumeCells volume;
+    ModelCells readCells() const override {
+        MeshCells cells;
         if (!isGrid()) return {};
         VtkCellReader reader(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"),
-                             volume, true);
+                             cells, true);
         readVtuCells(file_, reader);
-        return withPathInErrors(file_.path(), [&] { return volume.finish(positions_); });
+        return withPathInErrors(file_.path(), [&] { return cells.finish(positions_); });
     }
 
     std::vector<PointAttribute> attributes() const override {

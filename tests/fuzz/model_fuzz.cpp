@@ -177,7 +177,7 @@ void runMesh(const std::string& name, std::string_view bytes) {
     const auto read = resultOf([&] { return io::readModel(name, std::string(bytes)); });
     if (!read) return;
     const auto pointCount = static_cast<Index>((*read)->positions().size());
-    if (const auto volume = readResult(name, [&] { return (*read)->readVolume(); })) {
+    if (const auto volume = readResult(name, [&] { return (*read)->readCells(); })) {
         const far::VolumeMesh& mesh = volume->mesh;
         require(mesh.cellCount() == 0 || mesh.pointCount() == pointCount,
                 "a volume has the points of its model");

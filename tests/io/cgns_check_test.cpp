@@ -14,7 +14,7 @@ namespace espalier::io {
 namespace {
 
 void read(const std::filesystem::path& path) {
-    readModel(path, readFile(path))->readVolume();
+    readModel(path, readFile(path))->readCells();
 }
 
 /// Writes a sample in HDF5 and changes it by HDF5's library.

@@ -53,16 +53,20 @@ TEST(CgnsModel, HasTheCellsAndFacesOfAllZones) {
         const TemporaryFolder folder;
         writeSample(folder / "a.cgns", storage);
         const auto model = readModel(folder / "a.cgns", readFile(folder / "a.cgns"));
-        const ModelVolume volume = model->readVolume();
-        EXPECT_EQ(volume.curvedCells, 0);
-        ASSERT_EQ(volume.mesh.cellCount(), 2 + 2 + 1 + 1);
-        EXPECT_EQ(volume.mesh.kind(0), far::StandardCell::Hexahedron);
-        EXPECT_EQ(volume.mesh.kind(2), far::StandardCell::Pyramid);
-        EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
-        EXPECT_TRUE(volume.mesh.isSecondOrder(4));
-        EXPECT_EQ(volume.mesh.kind(5), std::nullopt);
-        EXPECT_EQ(volume.mesh.faces(5).size(), 4u);
-        EXPECT_EQ(volume.mesh.internalFaceCount(), 1);  // In the grid.
+        const ModelCells cells = model->readCells();
+        EXPECT_EQ(cells.curvedCells, 0);
+        ASSERT_EQ(cells.volume.cellCount(), 2 + 2 + 1 + 1);
+        EXPECT_EQ(cells.volume.kind(0), far::StandardCell::Hexahedron);
+        EXPECT_EQ(cells.volume.kind(2), far::StandardCell::Pyramid);
+        EXPECT_EQ(cells.volume.kind(3), far::StandardCell::Tetrahedron);
+        EXPECT_TRUE(cells.volume.isSecondOrder(4));
+        EXPECT_EQ(cells.volume.kind(5), std::nullopt);
+        EXPECT_EQ(cells.volume.faces(5).size(), 4u);
+        EXPECT_EQ(cells.volume.internalFaceCount(), 1);  // In the grid.
+        // The sections are groups; the zone of the grid and the faces of polyhedra are in none.
+        std::vector<std::string> names;
+        for (const far::MeshPatch& patch : cells.patches) names.push_back(patch.name);
+        EXPECT_THAT(names, ElementsAre("Cells", "Wall", "Curved"));
         const ModelFaces faces = model->readSurface().faces;
         ASSERT_EQ(faces.count(), 1u);
         EXPECT_THAT(faces[0], ElementsAre(12, 14, 13));
@@ -82,7 +86,7 @@ TEST(CgnsModel, PlanesHaveNoZ) {
     }
     const auto model = readModel("a.cgns", readFile(folder / "a.cgns"));
     EXPECT_EQ(model->readSurface().faces.count(), 1u);
-    EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
+    EXPECT_EQ(model->readCells().volume.cellCount(), 0);
     auto moved = copyOf(model->positions());
     moved[3] = {2, 2, 0};
     EXPECT_EQ(copyOf(readModel("b.cgns", written(*model, moved))->positions()), moved);
@@ -118,7 +122,7 @@ TEST(CgnsModel, BadFilesAreRefused) {
         file.section(zone, "Cells", CGNS_ENUMV(TETRA_4), 1, 1, {1, 2, 3, 5});
     }
     EXPECT_REFUSED(FileError, "an element names point 5; there are 4, counted from 1",
-                   readModel("c.cgns", readFile(folder / "c.cgns"))->readVolume());
+                   readModel("c.cgns", readFile(folder / "c.cgns"))->readCells());
 }
 
 // The library does not check the types of the elements in a MIXED section.
@@ -140,9 +144,9 @@ TEST(CgnsModel, ElementsOfUnknownTypesAreRefused) {
     const auto volumeOf = [&](cgsize_t type) {
         return readModel("a.cgns",
                          replaced(good, bytesOfType(CGNS_ENUMV(TETRA_4)), bytesOfType(type)))
-            ->readVolume();
+            ->readCells();
     };
-    EXPECT_EQ(volumeOf(CGNS_ENUMV(TETRA_4)).mesh.cellCount(), 1);
+    EXPECT_EQ(volumeOf(CGNS_ENUMV(TETRA_4)).volume.cellCount(), 1);
     for (const cgsize_t type : {9999, 2147483647, -5, NofValidElementTypes})
         EXPECT_REFUSED(FileError,
                        concat("an element of a MIXED section has the type ", type,

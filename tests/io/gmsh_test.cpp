@@ -15,13 +15,13 @@ TEST(Gmsh, ElementsOfSecondOrderHaveTheirNodesInVtkOrder) {
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
         "5 .5 0 0\n6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n9 0 .5 .5\n10 .5 0 .5\n$EndNodes\n$Elements\n2\n"
         "1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n2 9 2 0 1 1 2 3 5 6 7\n$EndElements\n";
-    const ModelVolume volume = readModel("a.msh", text)->readVolume();
-    EXPECT_EQ(volume.curvedCells, 0);
-    ASSERT_EQ(volume.mesh.cellCount(), 1);
+    const ModelCells cells = readModel("a.msh", text)->readCells();
+    EXPECT_EQ(cells.curvedCells, 0);
+    ASSERT_EQ(cells.volume.cellCount(), 1);
     // Gmsh has the edge from 2 to 3 before the edge from 1 to 3.
-    EXPECT_THAT(volume.mesh.points(0), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 9, 8));
-    EXPECT_EQ(volume.facesBeside, 0);
-    EXPECT_EQ(volume.surface.faceCount(), 0);
+    EXPECT_THAT(cells.volume.points(0), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 9, 8));
+    EXPECT_EQ(cells.facesBeside, 0);
+    EXPECT_EQ(cells.surface.faceCount(), 0);
     EXPECT_REFUSED(FileError, "a.msh: cell 0 of the volume has curved edges",
                    readLattice("a.msh", text));
 }
@@ -39,9 +39,9 @@ TEST(Gmsh, ElementsOfUnknownTypesAreCounted) {
     const std::string two = replaced(sampleGmsh2(), "6 7 2 0 1", "6 555 2 0 1 77");
     const std::string four = replaced(sampleGmsh4(), "3 1 7 1", "3 1 555 1");
     for (const std::string& text : {two, four}) {
-        const ModelVolume volume = readModel("a.msh", text)->readVolume();
-        EXPECT_EQ(volume.mesh.cellCount(), 3);
-        EXPECT_EQ(volume.unknownElements, 1);
+        const ModelCells cells = readModel("a.msh", text)->readCells();
+        EXPECT_EQ(cells.volume.cellCount(), 3);
+        EXPECT_EQ(cells.unknownElements, 1);
         EXPECT_REFUSED(FileError, "an element has the type 555, which is not known here",
                        readLattice("a.msh", text));
     }
@@ -58,7 +58,7 @@ TEST(Gmsh, NodesOfVersion2MayHaveParameters) {
                             std::array{" 0 5\n", " 1 5 0.5\n", " 2 5 0.5 0.25\n", " 3 5\n"}[i % 4]);
     const auto model = readModel("a.msh", text);
     EXPECT_EQ(copyOf(model->positions()), samplePoints());
-    EXPECT_EQ(model->readVolume().mesh.cellCount(), 4);
+    EXPECT_EQ(model->readCells().volume.cellCount(), 4);
     auto moved = copyOf(model->positions());
     moved[11][0] = 3.5;
     EXPECT_EQ(written(*model, moved), replaced(text, "12 3 1 3 3 5", "12 3.5 1 3 3 5"));
@@ -80,7 +80,7 @@ TEST(Gmsh, ReadsTheVersionsBefore22) {
 TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     const std::string good = sampleGmsh2();
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readModel("a.msh", bytes)->readVolume());
+        EXPECT_REFUSED(FileError, message, readModel("a.msh", bytes)->readCells());
     };
     expectRefused("", "a.msh:1: the file ends; expected $MeshFormat");
     expectRefused("(0 \"Fluent\")", "a.msh:1: expected a section such as $Nodes, got '(0'");

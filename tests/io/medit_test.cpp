@@ -26,12 +26,12 @@ TEST(Medit, QuadraticElementsAreCurved) {
     std::string text = sampleMedit();
     text.replace(text.find("End\n"), 4,
                  "TetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\nEdgesP2 1 1 2 3 0\n");
-    const ModelVolume volume = readModel("a.mesh", text)->readVolume();
-    EXPECT_EQ(volume.curvedCells, 0);
-    EXPECT_TRUE(volume.mesh.isSecondOrder(4));
+    const ModelCells cells = readModel("a.mesh", text)->readCells();
+    EXPECT_EQ(cells.curvedCells, 0);
+    EXPECT_TRUE(cells.volume.isSecondOrder(4));
     // Another order of the nodes is not read.
     const std::string ordered = text + "TetrahedraP2Ordering 1\n4 0 0 0\n";
-    EXPECT_EQ(readModel("a.mesh", ordered)->readVolume().curvedCells, 1);
+    EXPECT_EQ(readModel("a.mesh", ordered)->readCells().curvedCells, 1);
     EXPECT_REFUSED(FileError, "cell 4 of the volume has curved edges", readLattice("a.mesh", text));
 }
 
@@ -42,7 +42,7 @@ TEST(Medit, MalformedFilesAreRefusedWithTheLine) {
         return text.replace(text.find(before), before.size(), after);
     };
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readModel("a.mesh", bytes)->readVolume());
+        EXPECT_REFUSED(FileError, message, readModel("a.mesh", bytes)->readCells());
     };
     expectRefused(std::string("\1\0\0\0", 4), "the file does not begin with MeshVersionFormatted");
     expectRefused("MeshVersionFormatted 2\n", "the file ends; expected Vertices");

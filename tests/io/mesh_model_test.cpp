@@ -98,24 +98,24 @@ double volumeOf(const far::VolumeMesh& mesh, Index cell) {
 
 TEST(MeshModel, HasTheCellsOfTheVolume) {
     for (const Sample& sample : samples()) {
-        const ModelVolume volume = readModel(sample.name, sample.bytes)->readVolume();
-        ASSERT_EQ(volume.mesh.cellCount(), 4) << sample.name;
-        EXPECT_EQ(volume.curvedCells, 0);
-        EXPECT_EQ(volume.mesh.pointCount(), 12);
-        std::set<std::vector<Index>> cells;
+        const ModelCells cells = readModel(sample.name, sample.bytes)->readCells();
+        ASSERT_EQ(cells.volume.cellCount(), 4) << sample.name;
+        EXPECT_EQ(cells.curvedCells, 0);
+        EXPECT_EQ(cells.volume.pointCount(), 12);
+        std::set<std::vector<Index>> corners;
         for (Index cell = 0; cell < 4; ++cell) {
-            const auto corners = volume.mesh.corners(cell);
-            cells.emplace(corners.begin(), corners.end());
-            EXPECT_GT(volumeOf(volume.mesh, cell), 0) << sample.name << " " << cell;
+            const auto ofCell = cells.volume.corners(cell);
+            corners.emplace(ofCell.begin(), ofCell.end());
+            EXPECT_GT(volumeOf(cells.volume, cell), 0) << sample.name << " " << cell;
         }
         // In VTK's order, the first triangle of a wedge is clockwise seen from the other one. It
         // may be either triangle, since a wedge is turned as a whole.
-        EXPECT_TRUE(cells.contains({0, 1, 2, 3, 4, 5, 6, 7}));
-        EXPECT_TRUE(cells.contains({4, 5, 6, 7, 8}));
-        EXPECT_TRUE(cells.contains({1, 9, 5, 2, 10, 6}) || cells.contains({2, 6, 10, 1, 5, 9}));
-        EXPECT_TRUE(cells.contains({5, 9, 10, 11}));
+        EXPECT_TRUE(corners.contains({0, 1, 2, 3, 4, 5, 6, 7}));
+        EXPECT_TRUE(corners.contains({4, 5, 6, 7, 8}));
+        EXPECT_TRUE(corners.contains({1, 9, 5, 2, 10, 6}) || corners.contains({2, 6, 10, 1, 5, 9}));
+        EXPECT_TRUE(corners.contains({5, 9, 10, 11}));
         // The pyramid and the wedge share a quadrilateral with the cube.
-        EXPECT_EQ(volume.mesh.internalFaceCount(), 2);
+        EXPECT_EQ(cells.volume.internalFaceCount(), 2);
     }
 }
 
@@ -178,7 +178,7 @@ TEST(MeshModel, CutFilesAreRefused) {
                                                              : sample.bytes.size() - 40);
         const std::string kept = cut.substr(0, cut.find("$NodeData"));
         if (kept.find("$EndElements") != std::string::npos) continue;
-        EXPECT_THROW(readModel(sample.name, kept)->readVolume(), FileError) << sample.name;
+        EXPECT_THROW(readModel(sample.name, kept)->readCells(), FileError) << sample.name;
     }
 }
 
@@ -192,7 +192,7 @@ TEST(MeshModel, CellsAreTurnedRightHanded) {
                              "# vtk DataFile Version 2.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\n"
                              "POINTS 8 double\n" +
                                  positions + "\n" + cells + "\n" + types + "\n")
-                ->readVolume();
+                ->readCells();
         };
         const auto volume = [&](const far::VolumeMesh& mesh) {
             double sum = 0;
@@ -212,14 +212,14 @@ TEST(MeshModel, CellsAreTurnedRightHanded) {
             }
             return sum;
         };
-        EXPECT_NEAR(volume(grid("CELLS 1 9\n8 0 1 2 3 4 5 6 7", "CELL_TYPES 1\n12").mesh), 1,
+        EXPECT_NEAR(volume(grid("CELLS 1 9\n8 0 1 2 3 4 5 6 7", "CELL_TYPES 1\n12").volume), 1,
                     1e-15);
         // The faces of a polyhedron in mixed directions.
         EXPECT_NEAR(
             volume(grid("CELLS 1 32\n31 6 4 0 1 2 3 4 4 5 6 7 4 0 1 5 4 4 2 1 5 6 4 2 3 7 6 4 "
                         "0 3 7 4",
                         "CELL_TYPES 1\n42")
-                       .mesh),
+                       .volume),
             1, 1e-15);
     }
 }
@@ -245,11 +245,11 @@ TEST(MeshModel, UnstructuredGridsHaveCellsOfSecondOrder) {
             connectivity, "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>",
             size, "</DataArray><DataArray type='UInt8' Name='types' format='ascii'>", type,
             "</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>");
-        const ModelVolume volume = readModel("a.vtu", text)->readVolume();
-        EXPECT_EQ(volume.curvedCells, 0) << type;
-        ASSERT_EQ(volume.mesh.cellCount(), 1) << type;
-        EXPECT_EQ(volume.mesh.points(0).size(), std::size_t(size));
-        EXPECT_TRUE(volume.mesh.isSecondOrder(0));
+        const ModelCells cells = readModel("a.vtu", text)->readCells();
+        EXPECT_EQ(cells.curvedCells, 0) << type;
+        ASSERT_EQ(cells.volume.cellCount(), 1) << type;
+        EXPECT_EQ(cells.volume.points(0).size(), std::size_t(size));
+        EXPECT_TRUE(cells.volume.isSecondOrder(0));
     }
 }
 
@@ -273,18 +273,18 @@ TEST(MeshModel, UnstructuredGridsOfFacesAreSurfaces) {
                                      {28, 9},
                                      {69, 6},
                                      {70, 9}}) {
-        const ModelVolume volume = readModel("a.vtk", grid(type, size))->readVolume();
-        ASSERT_EQ(volume.surface.faceCount(), 1) << type;
-        EXPECT_EQ(volume.surface.points(0).size(), std::size_t(size));
-        EXPECT_THAT(uncheckedElements(volume), IsEmpty());
+        const ModelCells cells = readModel("a.vtk", grid(type, size))->readCells();
+        ASSERT_EQ(cells.surface.faceCount(), 1) << type;
+        EXPECT_EQ(cells.surface.points(0).size(), std::size_t(size));
+        EXPECT_THAT(uncheckedElements(cells), IsEmpty());
     }
     // A pixel goes by rows, and a strip of five points has three triangles.
-    EXPECT_THAT(readModel("a.vtk", grid(8, 4))->readVolume().surface.points(0),
+    EXPECT_THAT(readModel("a.vtk", grid(8, 4))->readCells().surface.points(0),
                 ElementsAre(0, 1, 3, 2));
-    EXPECT_EQ(readModel("a.vtk", grid(6, 5))->readVolume().surface.faceCount(), 3);
-    EXPECT_EQ(readModel("a.vtk", grid(7, 5))->readVolume().polygons, 1);
-    EXPECT_EQ(readModel("a.vtk", grid(34, 7))->readVolume().curvedFaces, 1);
-    EXPECT_EQ(readModel("a.vtk", grid(22, 5))->readVolume().curvedFaces, 1);
+    EXPECT_EQ(readModel("a.vtk", grid(6, 5))->readCells().surface.faceCount(), 3);
+    EXPECT_EQ(readModel("a.vtk", grid(7, 5))->readCells().polygons, 1);
+    EXPECT_EQ(readModel("a.vtk", grid(34, 7))->readCells().curvedFaces, 1);
+    EXPECT_EQ(readModel("a.vtk", grid(22, 5))->readCells().curvedFaces, 1);
 }
 
 TEST(MeshModel, UnstructuredGridsHaveVolumes) {
@@ -297,24 +297,24 @@ TEST(MeshModel, UnstructuredGridsHaveVolumes) {
         "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>4 7 11</DataArray>"
         "<DataArray type='UInt8' Name='types' format='ascii'>10 5 10</DataArray>"
         "</Cells></Piece></UnstructuredGrid></VTKFile>\n";
-    const ModelVolume volume = readModel("a.vtu", text)->readVolume();
-    EXPECT_EQ(volume.mesh.cellCount(), 2);
-    EXPECT_EQ(volume.mesh.internalFaceCount(), 1);
-    EXPECT_EQ(volume.facesBeside, 0);
+    const ModelCells cells = readModel("a.vtu", text)->readCells();
+    EXPECT_EQ(cells.volume.cellCount(), 2);
+    EXPECT_EQ(cells.volume.internalFaceCount(), 1);
+    EXPECT_EQ(cells.facesBeside, 0);
     // A quadratic cell with the wrong number of points, and a cubic one, are counted only.
     for (const char* types : {"10 5 24", "10 5 73"}) {
         std::string curved = text;
         curved.replace(curved.find("10 5 10"), 7, types);
-        EXPECT_EQ(readModel("a.vtu", curved)->readVolume().curvedCells, 1);
-        EXPECT_EQ(readModel("a.vtu", curved)->readVolume().mesh.cellCount(), 1);
+        EXPECT_EQ(readModel("a.vtu", curved)->readCells().curvedCells, 1);
+        EXPECT_EQ(readModel("a.vtu", curved)->readCells().volume.cellCount(), 1);
     }
     // A triangle that is no face of a cell is counted.
     std::string beside = text;
     beside.replace(beside.find(" 0 1 2 0 2 1 4"), 14, " 0 1 4 0 2 1 3");
-    EXPECT_EQ(readModel("a.vtu", beside)->readVolume().facesBeside, 1);
+    EXPECT_EQ(readModel("a.vtu", beside)->readCells().facesBeside, 1);
     // Surfaces have no volume.
     EXPECT_EQ(
-        readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")->readVolume().mesh.cellCount(),
+        readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")->readCells().volume.cellCount(),
         0);
 }
 

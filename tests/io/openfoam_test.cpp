@@ -62,13 +62,13 @@ TEST(OpenFoam, TheVolumeIsBesideThePoints) {
                       std::filesystem::canonical(points));
             EXPECT_TRUE(isFileOf(FileContent::Model, path));
             const auto model = readModel(path);
-            const ModelVolume volume = model->readVolume();
-            ASSERT_EQ(volume.mesh.cellCount(), 4);
-            EXPECT_EQ(volume.mesh.internalFaceCount(), 3);
-            EXPECT_EQ(volume.mesh.kind(0), far::StandardCell::Hexahedron);
-            EXPECT_EQ(volume.mesh.kind(1), far::StandardCell::Pyramid);
-            EXPECT_EQ(volume.mesh.kind(2), std::nullopt);
-            EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
+            const ModelCells cells = model->readCells();
+            ASSERT_EQ(cells.volume.cellCount(), 4);
+            EXPECT_EQ(cells.volume.internalFaceCount(), 3);
+            EXPECT_EQ(cells.volume.kind(0), far::StandardCell::Hexahedron);
+            EXPECT_EQ(cells.volume.kind(1), far::StandardCell::Pyramid);
+            EXPECT_EQ(cells.volume.kind(2), std::nullopt);
+            EXPECT_EQ(cells.volume.kind(3), far::StandardCell::Tetrahedron);
             EXPECT_EQ(model->readSurface().faces.count(), 15u);  // The boundary.
             ReadNotes notes;
             const Lattice lattice = readLattice(path, &notes);
@@ -87,11 +87,11 @@ TEST(OpenFoam, AFolderOfATimeHasTheFacesOfItsCase) {
     const std::string points = replaced(sampleFoam()["points"], "(3 1 3)", "(3 1 3.5)");
     putFoam(folder / "0.5/polyMesh", {{"points", points}});
     EXPECT_EQ(modelFile(folder / "0.5"), folder / "0.5/polyMesh/points");
-    EXPECT_EQ(readModel(folder / "0.5")->readVolume().mesh.cellCount(), 4);
+    EXPECT_EQ(readModel(folder / "0.5")->readCells().volume.cellCount(), 4);
     EXPECT_EQ(readLattice(folder / "0.5").positions[11], (Point3{3, 1, 3.5}));
     // Points without a mesh are a model without cells.
     putFoam(folder / "alone/x", {{"points", points}});
-    EXPECT_EQ(readModel(folder / "alone/x/points")->readVolume().mesh.cellCount(), 0);
+    EXPECT_EQ(readModel(folder / "alone/x/points")->readCells().volume.cellCount(), 0);
     EXPECT_EQ(readModel(folder / "alone/x/points")->readSurface().faces.count(), 0u);
     EXPECT_REFUSED(FileError, "has no file 'faces' beside it, nor in constant/polyMesh of its case",
                    readLattice(folder / "alone/x/points"));
@@ -169,7 +169,7 @@ TEST(OpenFoam, FilesOfTheCaseAreRegularFiles) {
         std::filesystem::remove(pipe);
         ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
         const std::string message = concat(name, ": is not a regular file");
-        EXPECT_REFUSED(FileError, message, readModel(folder / ".")->readVolume());
+        EXPECT_REFUSED(FileError, message, readModel(folder / ".")->readCells());
         EXPECT_REFUSED(FileError, message, readLattice(folder / "."));
     }
 }
@@ -184,7 +184,7 @@ TEST(OpenFoam, ListsOfEqualLabelsAreRead) {
     for (const char* empty : {"0", "0()", "\n0\n(\n)\n"}) {
         files["neighbour"] = foamHeader("labelList", "neighbour") + empty;
         putFoam(folder / "m", files);
-        EXPECT_EQ(readModel(folder / "m/points")->readVolume().mesh.kind(0),
+        EXPECT_EQ(readModel(folder / "m/points")->readCells().volume.kind(0),
                   far::StandardCell::Tetrahedron);
     }
 }
@@ -196,14 +196,14 @@ TEST(OpenFoam, OldMeshesHaveANeighbourForEachFace) {
     files["neighbour"] = foamHeader("labelList", "neighbour") + "18(1 2 3" +
                          test::words(std::vector<int>(15, -1)) + ")";
     const auto points = putFoam(folder / "m", files);
-    const ModelVolume volume = readModel(points)->readVolume();
-    EXPECT_EQ(volume.mesh.cellCount(), 4);
-    EXPECT_EQ(volume.mesh.internalFaceCount(), 3);
+    const ModelCells cells = readModel(points)->readCells();
+    EXPECT_EQ(cells.volume.cellCount(), 4);
+    EXPECT_EQ(cells.volume.internalFaceCount(), 3);
     EXPECT_EQ(readLattice(points).complex.count(3), 4);
     putFile(folder / "m/neighbour", replaced(files["neighbour"], "1 2 3", "1 -1 3"));
     EXPECT_REFUSED(FileError,
                    "neighbour: face 1 has no neighbour (-1), but a face after it has one",
-                   readModel(points)->readVolume());
+                   readModel(points)->readCells());
 }
 
 TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
@@ -211,7 +211,7 @@ TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
     const auto expectRefused = [](const Files& files, const std::string& message) {
         const TemporaryFolder folder;
         const auto points = putFoam(folder / "m", files);
-        EXPECT_REFUSED(Error, message, readModel(points)->readVolume());
+        EXPECT_REFUSED(Error, message, readModel(points)->readCells());
         EXPECT_THROW(readLattice(points), Error);
     };
     const auto changed = [&](const std::string& name, const std::string& before,

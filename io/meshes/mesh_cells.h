@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/far/volume_mesh.h>
 #include <espalier/io/model.h>
 
 #include <array>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "cell_visitor.h"
+#include "patch_collector.h"
 
 namespace espalier::io {
 
@@ -19,15 +19,17 @@ namespace espalier::io {
 /// describes them. Files disagree about this: VTK and Gmsh order the points of a wedge in opposite
 /// ways, VTK does not prescribe the direction of the faces of a polyhedron, and some meshes are
 /// mirror images.
-class ESPALIER_API VolumeCells final : public CellVisitor {
+class ESPALIER_API MeshCells final : public CellVisitor {
 public:
+    bool wantsGroups() const override { return true; }
+    void beginGroups(std::span<const std::string> names) override { patches_.begin(names); }
     void cell(far::StandardCell kind, std::span<const Index> points) override;
 
     /// \param loops the faces, each in any direction
     void polyhedron(std::span<const std::vector<Index>> loops) override;
 
     void face(std::span<const Index> points) override;
-    void smallCell(int) override {}
+    void smallCell(int dimension, std::span<const Index> points) override;
     void curvedCell(int dimension, std::span<const Index> points) override;
 
     void unknownElement(std::size_t, const std::string&) override { ++unknownElements_; }
@@ -38,10 +40,11 @@ public:
     /// a volume, the faces are the mesh.
     /// \param positions one per point
     /// \throws TopologyError if a cell names a point that does not exist
-    ModelVolume finish(std::span<const Point3> positions);
+    ModelCells finish(std::span<const Point3> positions);
 
 private:
-    void giveFaces(ModelVolume& volume, Index pointCount) const;
+    /// Gives the faces of a mesh without a volume, or counts the faces that are no faces of cells.
+    void giveFaces(ModelCells& cells, Index pointCount) const;
 
     struct Cell {
         bool isStandard;
@@ -53,6 +56,7 @@ private:
     std::vector<Cell> cells_;
     std::vector<Index> points_;  ///< the points of standard cells
     std::vector<std::vector<Index>> loops_;
+    PatchCollector patches_;
     far::Rows<Index> faces_;  ///< faces of surfaces with 3, 4, 6, 8 or 9 points
     Index polygons_ = 0;
     Index curvedCells_ = 0;

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "volume_cells.h"
+#include "mesh_cells.h"
 
 namespace espalier::io {
 namespace {
@@ -75,29 +75,37 @@ void makeCoherent(std::span<Loop> loops) {
 
 }  // namespace
 
-void VolumeCells::cell(far::StandardCell kind, std::span<const Index> points) {
+void MeshCells::cell(far::StandardCell kind, std::span<const Index> points) {
     checkCancelledEvery(cells_.size(), 12);
+    patches_.add(3, points);
     cells_.push_back({true, kind, points_.size(), points_.size() + points.size()});
     points_.insert(points_.end(), points.begin(), points.end());
 }
 
-void VolumeCells::polyhedron(std::span<const Loop> loops) {
+void MeshCells::polyhedron(std::span<const Loop> loops) {
     checkCancelledEvery(cells_.size(), 12);
+    for (const Loop& loop : loops) patches_.add(3, loop);
     cells_.push_back({false, {}, loops_.size(), loops_.size() + loops.size()});
     loops_.insert(loops_.end(), loops.begin(), loops.end());
 }
 
-void VolumeCells::face(std::span<const Index> points) {
+void MeshCells::face(std::span<const Index> points) {
     checkCancelledEvery(faces_.offsets.size(), 12);
-    if (points.size() != 3 && points.size() != 4) {
+    patches_.add(2, points);
+    patches_.addFace(points);
+    if (points.size() == 3 || points.size() == 4)
+        faces_.push(points);
+    else if (points.size() > 4)
         ++polygons_;
-        return;
-    }
-    faces_.values.insert(faces_.values.end(), points.begin(), points.end());
-    faces_.offsets.push_back(static_cast<Offset>(faces_.values.size()));
+    else
+        ++unknownElements_;
 }
 
-void VolumeCells::curvedCell(int dimension, std::span<const Index> points) {
+void MeshCells::smallCell(int dimension, std::span<const Index> points) {
+    if (dimension == 1) patches_.add(1, points);
+}
+
+void MeshCells::curvedCell(int dimension, std::span<const Index> points) {
     if (dimension == 3 && !points.empty()) return cell(*far::kindOfCell(points.size()), points);
     if (dimension == 3) ++curvedCells_;
     if (dimension != 2) return;
@@ -105,48 +113,44 @@ void VolumeCells::curvedCell(int dimension, std::span<const Index> points) {
         ++curvedFaces_;
         return;
     }
-    faces_.values.insert(faces_.values.end(), points.begin(), points.end());
-    faces_.offsets.push_back(static_cast<Offset>(faces_.values.size()));
+    patches_.add(2, points);
+    patches_.addFace(far::cornersOfFace(points));
+    faces_.push(points);
 }
 
-void VolumeCells::giveFaces(ModelVolume& volume, Index pointCount) const {
-    const auto faceAt = [&](std::size_t face) {
-        return std::span(faces_.values.data() + faces_.offsets[face],
-                         faces_.values.data() + faces_.offsets[face + 1]);
-    };
-    const std::size_t faceCount = faces_.offsets.size() - 1;
-    if (volume.mesh.cellCount() == 0 && volume.curvedCells == 0) {
-        volume.surface = far::SurfaceMesh(pointCount);
-        for (std::size_t face = 0; face < faceCount; ++face) volume.surface.addFace(faceAt(face));
-        volume.polygons = polygons_;
-        volume.curvedFaces = curvedFaces_;
+void MeshCells::giveFaces(ModelCells& cells, Index pointCount) const {
+    const std::size_t faceCount = faces_.count();
+    if (cells.isSurface() && cells.curvedCells == 0) {
+        cells.surface = far::SurfaceMesh(pointCount);
+        for (std::size_t face = 0; face < faceCount; ++face) cells.surface.addFace(faces_[face]);
+        cells.polygons = polygons_;
+        cells.curvedFaces = curvedFaces_;
         return;
     }
-    // A face of a cell is checked with the cell. The corners of faces tell which these are.
+    // A face of a cell is checked with the cell. Faces are the same if their corners are.
     using Corners = std::array<Index, 4>;
     const auto cornersOf = [](std::span<const Index> points) {
         Corners corners = {-1, -1, -1, -1};
-        const bool isTriangle = points.size() == 3 || points.size() == 6;
-        std::ranges::copy(points.first(isTriangle ? 3 : 4), corners.begin());
+        std::ranges::copy(far::cornersOfFace(points), corners.begin());
         std::ranges::sort(corners);
         return corners;
     };
     std::vector<Corners> faces(faceCount);
-    for (std::size_t face = 0; face < faceCount; ++face) faces[face] = cornersOf(faceAt(face));
+    for (std::size_t face = 0; face < faceCount; ++face) faces[face] = cornersOf(faces_[face]);
     std::ranges::sort(faces);
     std::vector<char> isOfCell(faceCount, 0);
-    for (Index face = 0; face < volume.mesh.faceCount() && faceCount > 0; ++face) {
+    for (Index face = 0; face < cells.volume.faceCount() && faceCount > 0; ++face) {
         checkCancelledEvery(face, 12);
-        const auto loop = volume.mesh.face(face);
+        const auto loop = cells.volume.face(face);
         if (loop.size() > 4) continue;
         const auto [first, last] = std::equal_range(faces.begin(), faces.end(), cornersOf(loop));
         std::fill(isOfCell.begin() + (first - faces.begin()),
                   isOfCell.begin() + (last - faces.begin()), 1);
     }
-    volume.facesBeside = static_cast<Index>(std::ranges::count(isOfCell, 0));
+    cells.facesBeside = static_cast<Index>(std::ranges::count(isOfCell, 0));
 }
 
-ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
+ModelCells MeshCells::finish(std::span<const Point3> positions) {
     const auto pointCount = static_cast<Index>(positions.size());
     const auto check = [&](std::span<const Index> points, std::size_t cell) {
         for (const Index point : points)
@@ -188,12 +192,13 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
             builder.addCell(ofCell);
         }
     }
-    ModelVolume volume;
-    volume.mesh = builder.build();
-    volume.curvedCells = curvedCells_;
-    volume.unknownElements = unknownElements_;
-    giveFaces(volume, pointCount);
-    return volume;
+    ModelCells result;
+    result.volume = builder.build();
+    result.patches = patches_.take();
+    result.curvedCells = curvedCells_;
+    result.unknownElements = unknownElements_;
+    giveFaces(result, pointCount);
+    return result;
 }
 
 }  // namespace espalier::io

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/far/incidence.h>
+#include <espalier/far/surface_mesh.h>
+#include <espalier/far/volume_mesh.h>
+
+#include <string>
+#include <vector>
+
+namespace espalier::far {
+
+/// A named part of a mesh: a patch of its boundary, such as a wall, or a group of its cells.
+struct MeshPatch {
+    std::string name;
+
+    /// The type that the file gives: "symmetryPlane" of OpenFOAM. Empty if the format has none.
+    std::string type = {};
+
+    /// The corners of its faces, in the order of the file.
+    Rows<Index> faces = {};
+
+    /// 2 or 3: the largest dimension of its elements; in a mesh of two dimensions, 1 for a patch.
+    int dimension = 0;
+
+    /// The points of the elements, ascending.
+    std::vector<Index> points = {};
+
+    /// The patch of the same faces on the other side of a periodic mesh; empty if there is none.
+    std::string partner = {};
+
+    Index faceCount() const { return static_cast<Index>(faces.count()); }
+};
+
+/// The mesh of a simulation. It has no positions.
+struct SimulationMesh {
+    VolumeMesh volume = {};
+
+    /// The faces of a mesh that has no cells of a volume; then they are its cells.
+    SurfaceMesh surface = {};
+
+    std::vector<MeshPatch> patches = {};
+
+    /// True if the cells are the faces of `surface`.
+    bool isSurface() const { return volume.cellCount() == 0; }
+
+    Index cellCount() const { return isSurface() ? surface.faceCount() : volume.cellCount(); }
+};
+
+}  // namespace espalier::far
