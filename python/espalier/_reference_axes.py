@@ -10,6 +10,8 @@ from . import pose as _pose
 from ._core import ReferenceAxis
 
 _VALUES = ("rot_x", "rot_y", "rot_z", "rot_theta", "scale", "scale_x", "scale_y", "scale_z")
+#: The columns of the values of the nodes, which functions of global variables change.
+_STATE_NAMES = ("x", "y", "z", *_VALUES)
 _ComplexWarning = getattr(np, "exceptions", np).ComplexWarning  # its place in NumPy 2, and before
 _ORDERS = {1: "xyz", 2: "xzy", 3: "yzx", 4: "yxz", 5: "zxy", 6: "zyx", 7: "zxy", 0: "zxy"}
 
@@ -36,6 +38,7 @@ class ReferenceAxes:
     """Reference axes that carry the vertices of a lattice. The subclass has the lattice and getLocalIndex()."""
 
     def __init__(self):
+        super().__init__()
         self.axis, self.DV_listGlobal = OrderedDict(), OrderedDict()
         self._axes, self._parent = {}, None
         self._start_axes(np.zeros((0, 3)))
@@ -143,10 +146,11 @@ class ReferenceAxes:
             setattr(self, key, OrderedDict((name, _Curve(start(len(each["curve"].coef), nodes.dtype)))
                                            for name, each in self.axis.items()))
 
-    def _state(self, nodes, values, config):
+    def _state(self, nodes, values, config, steps=None):
         """Runs the functions of the global variables. Returns the values of all nodes, an array (n, 11).
 
         values : dict from names to arrays, real or complex like the nodes
+        steps : list, to which the name of each function and the values of the nodes after it are added
         """
         self._start_axes(nodes)
         with warnings.catch_warnings():
@@ -159,11 +163,15 @@ class ReferenceAxes:
                 except _ComplexWarning as error:
                     raise ValueError(f"{name}: its function drops the imaginary part of its values; derivatives need it "
                                      "(use no float(), no abs() and no real arrays)") from error
-        state = np.empty((len(self.coef), 11), self.coef.dtype)
-        state[:, :3] = self.coef
-        for k, key in enumerate(_VALUES):
-            columns = [np.ravel(curve.coef) for curve in getattr(self, key).values()]
-            state[:, 3 + k] = np.concatenate([np.zeros(0), *columns])
+                if steps is not None:
+                    steps.append((name, self._gathered()))
+        return self._gathered()
+
+    def _gathered(self):
+        """The values of all nodes, as the functions left them: array (n, 11)."""
+        columns = [np.concatenate([np.zeros(0), *(np.ravel(curve.coef) for curve in getattr(self, key).values())])
+                   for key in _VALUES]
+        state = np.column_stack([self.coef, *columns])
         state[:, 3:7] *= np.pi / 180
         return state
 

@@ -53,6 +53,15 @@ class _Global(_Group):
         super().__init__(*arguments)
         self.function = function
 
+    def near(self, random):
+        """Random values near those that are set, between the bounds."""
+        far = 1e-2 * np.maximum(1, np.abs(self.value))
+        step = far * random.uniform(0.5, 1, self.nVal)
+        low, high = (np.full(self.nVal, sign * np.inf) if bound is None else bound
+                     for sign, bound in ((-1, self.lower), (1, self.upper)))
+        near = np.where(self.value + far > high, self.value - step, self.value + step)
+        return np.where((near < low) | (near > high), self.value, near)
+
 
 class _Local(_Group):
     def __init__(self, *arguments, matrix):

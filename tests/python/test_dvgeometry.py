@@ -294,6 +294,91 @@ def test_the_lattice_is_written(tmp_path):
     np.testing.assert_array_equal(espalier.read(path).positions, geo.positions())
 
 
+def with_function(function, value, child=False):
+    """A wing whose axis a function moves, by itself or as a child of a lattice that moves it."""
+    geo = DVGeometry(wing(), child=child, name="inner" if child else None)
+    geo.addRefAxis("axis", curve=np.linspace((0, 0, 0), (0, 0, 8), 4), axis=np.array([0, 0, 1.0]))
+    geo.addGlobalDV("fine", np.ones(4), chord)
+    geo.addGlobalDV("f", value, function)
+    if child:
+        inner, geo = geo, DVGeometry(wing())
+        geo.addChild(inner)
+        geo.addLocalDV("up", axis="xyz", vertices=[3, 5])
+    geo.addPointSet(POINTS, "points")
+    return geo
+
+
+def partly_real(values, geo):
+    geo.scale["axis"].coef[:] = 1 + values[0] / 10
+    geo.rot_z["axis"].coef[-1] = abs(values[0])
+
+
+def by_length(values, geo):
+    nodes = geo.extractCoef("axis")
+    nodes[1:, 2] *= values[0]
+    geo.restoreCoef(nodes, "axis")
+    geo.scale_y["axis"].coef[:] = 8 / np.linalg.norm(nodes[-1] - nodes[0])
+
+
+@pytest.mark.parametrize("function, value, changed", [
+    (partly_real, 5.0, "rot_z"), (partly_real, 0.0, "rot_z"), (partly_real, -5.0, "rot_z"), (by_length, 1.1, "scale_y")])
+def test_a_function_that_drops_a_part_of_its_imaginary_values_is_refused(function, value, changed):
+    """The derivatives were wrong by 0.0165 of partly_real at 5, and by 0.72 of by_length."""
+    geo = with_function(function, value)
+    with pytest.raises(ValueError, match="^f: its function drops the imaginary part of its values: the derivative of "
+                                         rf"{changed} by f\[0\] differs from the difference quotient"):
+        geo.computeTotalJacobian("points")
+
+
+def test_a_function_that_drops_imaginary_parts_of_carried_nodes_is_refused():
+    def stretched(values, geo):
+        nodes = geo.extractCoef("axis")
+        geo.scale_x["axis"].coef[:] = values[0] * 8 / np.linalg.norm(nodes[-1] - nodes[0])
+
+    geo = with_function(stretched, 1.2, child=True)
+    with pytest.raises(ValueError, match="^inner_f: its function drops the imaginary part of its values: the derivative of "
+                                         "scale_x by the nodes that a parent carries differs from "):
+        geo.computeTotalJacobian("points")
+
+    def right(values, geo):
+        nodes = geo.extractCoef("axis")
+        geo.scale_x["axis"].coef[:] = values[0] * 8 / np.sqrt(((nodes[-1] - nodes[0]) ** 2).sum())
+
+    geo = with_function(right, 1.2, child=True)
+    expect_derivatives(geo, some_values(geo))
+
+
+@pytest.mark.parametrize("function, value", [
+    (lambda v: 1 + v ** 2, 0.0), (lambda v: np.cos(v), 0.0), (lambda v: np.exp(1000 * v), 0.0),
+    (lambda v: np.sqrt(1 - v ** 2), 0.5), (lambda v: 1 + 1e-9 * v, 3.0), (lambda v: np.maximum(v.real, 0.5) + 0 * v, -2.0)],
+    ids=["zero", "cosine", "steep", "root", "flat", "constant"])
+def test_functions_with_right_derivatives_are_accepted(function, value):
+    """Some derivatives are exactly 0, too steep for one step of a difference, or smaller than a difference shows."""
+    def scale(values, geo):
+        geo.scale["axis"].coef[:] = function(values[0])
+    with_function(scale, value).computeTotalJacobian("points")
+
+
+def test_functions_are_compared_with_differences_once():
+    calls = []
+
+    def count(values, geo):
+        calls.append(geo.coef.dtype)
+        geo.scale["axis"].coef[:] = 1 + values[0]
+
+    geo = with_function(count, 0.0)
+    geo.computeTotalJacobian("points")
+    first = len(calls)
+    geo.setDesignVars({"f": 0.1})
+    del calls[:]
+    geo.computeTotalJacobian("points")
+    # The complex step by each of 5 variables, and the values as they are set, twice.
+    assert len(calls) == 7 < first
+    geo.addGlobalDV("g", 0.0, partly_real)
+    with pytest.raises(ValueError, match="^g: its function drops"):
+        geo.computeTotalJacobian("points")
+
+
 def test_wrong_arguments():
     geo = with_variables(wing())
     for call, message in [
