@@ -79,6 +79,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
     name       : is put before the names of the variables: "name_variable"
     frozen     : array (K,) of int: vertices that no local variable and no reference axis moves
     options    : of bind() for all points: level, limit, basis, outside, tolerance
+
+    `revision` is a number that rises with each change of variables, of their values and of points.
     """
 
     def __init__(self, lattice, *, child=False, faceFreeze=None, name=None, frozen=(), **options):
@@ -90,7 +92,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         if options.pop("isComplex", False):
             raise ValueError("isComplex: the derivatives of totalSensitivity() are exact; there are no complex points")
         self._options = options
-        self.name, self.isChild = name, child
+        self.name, self.isChild, self.revision = name, child, 0
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
         self.children, self.DV_listLocal = OrderedDict(), OrderedDict()
         self._bindings, self._carried, self._transfer, self._kept = {}, {}, {}, {}
@@ -131,6 +133,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         self.points[ptName], self._bindings[ptName] = points, deformation
         self.updated[ptName], self.JT[ptName] = False, None
         self._kept.pop(ptName, None)
+        self.revision += 1
         for name, child in self.children.items():
             if activeChildren is None or name in activeChildren:
                 child.addPointSet(points, ptName)
@@ -171,6 +174,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         for name in self.ptSetNames:
             self.updated[name], self.JT[name] = False, None
         self._kept = {}
+        self.revision += 1
         if self._parent is not None:
             self._parent._changed()
 

@@ -23,6 +23,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
     name: str | None
     points: OrderedDict[str, _Floats]
     ptSetNames: list[str]
+    revision: int
     updated: dict[str, bool]
     def __init__(
         self,

@@ -60,6 +60,7 @@ class GeometryComponent(ExplicitComponent):
     def setup(self):
         """Adds the variables as inputs, and the points and the measures as outputs."""
         geometry, config = self.options["geometry"], self.options["config"]
+        self._by_points = {}
         for name, values in geometry.getValues().items():
             self.add_input(name, val=values, tags=["espalier"])
         for name in self._point_sets():
@@ -74,16 +75,17 @@ class GeometryComponent(ExplicitComponent):
         now = geometry.getValues()
         if any((np.ravel(values[name]) != now[name]).any() for name in now):
             geometry.setDesignVars(values)
-            self._by_points = {}
         return geometry
 
     def _measured(self, geometry, name):
         """The derivatives of a measure by its points, as the variables are set."""
-        if name not in self._by_points:
+        # Other components, and callers of setDesignVars(), change the variables, too.
+        if self._by_points.get(name, (None,))[0] != geometry.revision:
             points, measure = self.options["measures"][name]
             _, derivatives = measure(np.ascontiguousarray(geometry.update(points, config=self.options["config"])))
-            self._by_points[name] = derivatives.csr() if hasattr(derivatives, "csr") else derivatives
-        return self._by_points[name]
+            derivatives = derivatives.csr() if hasattr(derivatives, "csr") else derivatives
+            self._by_points[name] = geometry.revision, derivatives
+        return self._by_points[name][1]
 
     def compute(self, inputs, outputs):
         """Moves the points, and measures them. A complex step of a model around this one gets the derivatives of this
