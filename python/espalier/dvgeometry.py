@@ -152,11 +152,16 @@ class DVGeometry(ReferenceAxes, Derivatives):
 
         childDVGeo : DVGeometry with child=True
         """
-        if not childDVGeo.isChild or childDVGeo._parent is not None:
+        if not childDVGeo.isChild or childDVGeo._parent is not None or childDVGeo is self._root():
             raise ValueError("childDVGeo: expected a DVGeometry that was made with child=True, and is in no other")
         name = childDVGeo.name if childDVGeo.name is not None else f"child{len(self.children)}"
         if name in self.children:
             raise ValueError(f"childDVGeo: there is a child {name} already; give it another name")
+        owners = self._root()._owners()
+        for variables, owner in childDVGeo._owners().items():
+            if variables in owners:
+                raise ValueError(f"childDVGeo: {owners[variables]._title()} and {owner._title()} both have variables "
+                                 f"{variables}; give the variables other names, or the child a name")
         places = np.vstack([childDVGeo.lattice.positions, childDVGeo._rest_nodes()])
         self._carried[name] = (places, self._bound(places, {"outside": "nearest"}))
         self.children[name], childDVGeo._parent = childDVGeo, self
@@ -166,9 +171,30 @@ class DVGeometry(ReferenceAxes, Derivatives):
 
     def _named(self, name, prepend):
         full = f"{self.name}_{name}" if self.name is not None and prepend else name
-        if full in self.DV_listGlobal or full in self.DV_listLocal:
+        owner = self._root()._owners().get(full)
+        if owner is self:
             raise ValueError(f"dvName: there are variables {full} already")
+        if owner is not None:
+            raise ValueError(f"dvName: {owner._title()} has variables {full} already; give the variables of {self._title()} "
+                             "another name")
         return full
+
+    def _root(self):
+        return self if self._parent is None else self._parent._root()
+
+    def _owners(self):
+        """The lattices that have the variables: dict from names."""
+        owners = {name: self for name in (*self.DV_listGlobal, *self.DV_listLocal)}
+        for child in self.children.values():
+            owners.update(child._owners())
+        return owners
+
+    def _title(self):
+        """The lattice in messages."""
+        if self._parent is None:
+            return "the child" if self.isChild and self.name is None else (
+                f"the child {self.name}" if self.isChild else "the outermost lattice")
+        return "the child " + next(name for name, each in self._parent.children.items() if each is self)
 
     def _changed(self):
         for name in self.ptSetNames:

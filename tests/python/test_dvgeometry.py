@@ -216,6 +216,38 @@ def test_children_add_their_changes():
         parent.addChild(DVGeometry(small))
 
 
+SMALL = espalier.shapes.box(cells=(2, 1, 2), min=(-0.8, -0.4, 1), max=(0.8, 0.4, 6))
+
+
+def test_names_of_variables_are_unique_in_the_whole_tree():
+    """Equal names hid the variables of the parent, and derivatives were of the wrong shape."""
+    parent = DVGeometry(wing())
+    parent.addLocalDV("up")
+    child = DVGeometry(SMALL, child=True)
+    child.addLocalDV("up")
+    with pytest.raises(ValueError, match="^childDVGeo: the outermost lattice and the child both have variables up; give "):
+        parent.addChild(child)
+    assert not parent.children and child._parent is None
+    first, second = (DVGeometry(SMALL, child=True, name=name) for name in ("first", "second"))
+    parent.addChild(first)
+    parent.addChild(second)
+    first.addLocalDV("up")
+    second.addLocalDV("up")
+    for geo, owner in ((parent, "the child first has"), (second, "the child first has")):
+        with pytest.raises(ValueError, match=f"^dvName: {owner} variables first_up already; give the variables of "):
+            geo.addLocalDV("first_up", prependName=False)
+    with pytest.raises(ValueError, match="^dvName: the outermost lattice has variables up already; give the variables of "
+                                         "the child first another name$"):
+        first.addLocalDV("up", prependName=False)
+    inner = DVGeometry(SMALL, child=True, name="inner")
+    inner.addLocalDV("second_up", prependName=False)
+    with pytest.raises(ValueError, match="^childDVGeo: the child second and the child inner both have variables second_up"):
+        first.addChild(inner)
+    assert parent.getVarNames() == ["up", "first_up", "second_up"]
+    with pytest.raises(ValueError, match="^childDVGeo: expected a DVGeometry that was made with child=True, and is in no"):
+        inner.addChild(inner)
+
+
 def test_points_in_another_frame():
     def transfer(coords, mode="fwd", applyDisplacement=True):
         turn = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
