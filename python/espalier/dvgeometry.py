@@ -75,15 +75,17 @@ class DVGeometry(ReferenceAxes, Derivatives):
     lattice    : path of a file, Lattice, or Refiner; a PLOT3D file of boxes is welded to one lattice
     child      : True for a lattice that addChild() puts into another one
     faceFreeze : dict {"0": ["iLow", ...]} of a lattice that is a box: two layers of vertices that no
-                 local variable and no reference axis moves
+                 variable and no reference axis moves
     name       : is put before the names of the variables: "name_variable"
-    frozen     : array (K,) of int: vertices that no local variable and no reference axis moves
+    frozen     : array (K,) of int: vertices that no variable and no reference axis moves
+    move_held  : if True, the vertices that the lattice holds (Lattice.held) may move; they are frozen by default
     options    : of bind() for all points: level, limit, basis, outside, tolerance
 
     `revision` is a number that rises with each change of variables, of their values and of points.
     """
 
-    def __init__(self, lattice, *, child=False, faceFreeze=None, name=None, frozen=(), **options):
+    def __init__(self, lattice, *, child=False, faceFreeze=None, name=None, frozen=(), move_held=False,
+                 **options):
         if isinstance(lattice, Refiner):
             self._refiner, self.lattice = lattice, lattice.lattice
         else:
@@ -98,6 +100,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
         self._bindings, self._carried, self._transfer, self._kept = {}, {}, {}, {}
         super().__init__()
         self._frozen = np.zeros(len(self.lattice.positions), bool)
+        if not move_held:
+            self._frozen[self.lattice.held] = True
         self._frozen[np.asarray(frozen, int)] = True
         for volume, faces in (faceFreeze or {}).items():
             layers = self.getLocalIndex(int(volume))
@@ -220,6 +224,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
 
     def _add_local(self, name, matrix, lower, upper, scale, config):
         count = matrix.shape[1]
+        # Frozen vertices have empty rows.
+        matrix = (scipy.sparse.diags(np.repeat(~self._frozen, 3).astype(float)) @ matrix).tocsr()
+        matrix.eliminate_zeros()
         self.DV_listLocal[name] = _Local(name, np.zeros(count), lower, upper, scale, config, matrix=matrix)
         self._changed()
         return count
@@ -231,7 +238,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
         axis : "x", "y", "z", or several: "xy"
         pointSelect : object with getPoints(positions), which returns points and their numbers, as pyGeo's
         vertices : array (K,) of int; all by default
-        design : DesignVariables: links, mirror images and units, in place of axis and vertices
+        design : DesignVariables: links, mirror images and units, in place of axis and vertices. Frozen vertices
+            do not move with their link or their mirror image
         """
         if volList is not None:
             raise ValueError("volList: the blocks are one lattice; give `vertices`")
@@ -251,7 +259,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
     def addShapeFunctionDV(self, dvName, shapes, lower=None, upper=None, scale=1.0, config=None, prependName=True):
         """Adds a variable for each shape, which moves several vertices. Returns the number of variables.
 
-        shapes : dict from vertices to displacements, 3 float each, for a value of 1; or a list of such dicts
+        shapes : dict from vertices to displacements, 3 float each, for a value of 1; or a list of such dicts.
+            Frozen vertices do not move
         """
         name = self._named(dvName, prependName)
         shapes = [shapes] if isinstance(shapes, dict) else list(shapes)

@@ -33,6 +33,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         faceFreeze: Mapping[str, Sequence[str]] | None = None,
         name: str | None = None,
         frozen: ArrayLike = (),
+        move_held: bool = False,
         **options: Any,
     ) -> None: ...
     def addPointSet(

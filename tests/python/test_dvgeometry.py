@@ -149,6 +149,36 @@ def test_frozen_vertices_stay():
     np.testing.assert_array_equal(np.flatnonzero(~moved), np.unique(held))
 
 
+def test_frozen_vertices_stay_under_shapes_lines_and_links():
+    geo = DVGeometry(wing(), frozen=[5, 6])
+    geo.addShapeFunctionDV("shape", [{5: (0, 1, 0)}, {6: (1, 0, 0), 7: (0, 0, 1)}])
+    geo.addLocalDV("linked", design=espalier.DesignVariables(32))
+    geo.addSpanwiseLocalDV("line", "k", axis="x")
+    geo.addPointSet(POINTS, "points")
+    geo.setDesignVars({name: np.ones(len(value)) for name, value in geo.getValues().items()})
+    still = np.flatnonzero((geo.positions() == geo.lattice.positions).all(axis=1))
+    np.testing.assert_array_equal(still, [5, 6])
+    expect_derivatives(geo, geo.getValues())
+
+
+def test_vertices_that_the_lattice_holds_are_frozen():
+    """They moved by local variables and by axes, though fits and pulls hold them."""
+    collar = espalier.shapes.collar(espalier.shapes.box((2, 2, 2), (0, 0, 0), (2, 2, 2)), layers=2, reach=1.0)
+    assert 0 < len(collar.held) < len(collar.positions)
+
+    def lift(values, geo):
+        geo.restoreCoef(geo.extractCoef("axis") + (0, 0, values[0]), "axis")
+
+    for move_held in (False, True):
+        geo = DVGeometry(collar, move_held=move_held)
+        geo.addRefAxis("axis", curve=[(1, 1, 0), (1, 1, 2)])
+        geo.addGlobalDV("lift", 0.0, lift)
+        geo.addLocalDV("up", axis="z")
+        geo.setDesignVars({name: np.ones(len(value)) for name, value in geo.getValues().items()})
+        still = np.flatnonzero((geo.positions() == collar.positions).all(axis=1))
+        np.testing.assert_array_equal(still, [] if move_held else np.sort(collar.held))
+
+
 def test_variables_of_the_library():
     design = espalier.DesignVariables(32)
     design.mirror(wing().positions, axis=1)
