@@ -201,12 +201,20 @@ class DVGeometry(ReferenceAxes, Derivatives):
         return "the child " + next(name for name, each in self._parent.children.items() if each is self)
 
     def _changed(self):
+        self._forget_results()
+        if self._parent is not None:
+            self._parent._changed()
+
+    def _forget_results(self):
         for name in self.ptSetNames:
             self.updated[name], self.JT[name] = False, None
         self._kept = {}
         self.revision += 1
-        if self._parent is not None:
-            self._parent._changed()
+
+    def _changed_below(self):
+        for child in self.children.values():
+            child._forget_results()
+            child._changed_below()
 
     def addGlobalDV(self, dvName, value, func, lower=None, upper=None, scale=1.0, config=None, prependName=True):
         """Adds variables that a function applies to the reference axes.
@@ -316,8 +324,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
     def setDesignVars(self, dvDict):
         """Sets variables. Names that are not variables of this lattice or its children are ignored.
 
-        dvDict : dict from names to float or arrays
+        dvDict : dict from names to float or arrays. If one of them is wrong, none is set
         """
+        checked = []
         for name, group in self._groups().items():
             if name not in dvDict:
                 continue
@@ -326,10 +335,11 @@ class DVGeometry(ReferenceAxes, Derivatives):
                 raise ValueError(f"{name}: expected {group.nVal} values, got {len(values)}")
             if not np.isfinite(values).all():
                 raise ValueError(f"{name}: expected finite numbers")
+            checked.append((group, values))
+        for group, values in checked:
             group.value = values
         self._changed()
-        for child in self.children.values():
-            child._changed()
+        self._changed_below()
 
     def addVariablesPyOpt(self, optProb, globalVars=True, localVars=True, ignoreVars=(), freezeVars=(), **_):
         """Adds the variables to a problem of pyOptSparse, with bounds and scales.

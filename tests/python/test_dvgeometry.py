@@ -321,6 +321,42 @@ def test_up_to_date():
     assert not geo.pointSetUpToDate("points")
 
 
+def test_variables_that_are_refused_change_nothing():
+    geo = with_variables(wing())
+    before, jacobian = geo.getValues(), geo.computeTotalJacobian("points")
+    geo.update("points")
+    for wrong, message in (([1, 2], "^up: expected 3 values, got 2$"), ([0, 0, np.inf], "^up: expected finite numbers$")):
+        with pytest.raises(ValueError, match=message):
+            geo.setDesignVars({"turn": [40.0, 0, 0], "up": wrong})
+        for name, value in geo.getValues().items():
+            np.testing.assert_array_equal(value, before[name])
+    assert geo.pointSetUpToDate("points") and geo.computeTotalJacobian("points") is jacobian
+
+
+def test_variables_change_the_whole_tree():
+    """Grandchildren kept their derivatives, and said that their points were up to date."""
+    parent = DVGeometry(wing())
+    lattices = [parent]
+    for name in ("child", "grandchild"):
+        geo = DVGeometry(SMALL, child=True, name=name)
+        geo.addRefAxis("axis", curve=[(0, 0, 1), (0, 0, 6)], axis=np.array([0, 0, 1.0]))
+        geo.addGlobalDV("bend", 0.0, lambda values, geo: geo.rot_z["axis"].coef.__setitem__(1, values[0]))
+        lattices[-1].addChild(geo)
+        lattices.append(geo)
+    parent.addPointSet(POINTS, "points")
+    for setter in lattices:
+        jacobians = [geo.computeTotalJacobian("points") for geo in lattices]
+        revisions = [geo.revision for geo in lattices]
+        for geo in lattices:
+            geo.update("points")
+        setter.setDesignVars({"grandchild_bend": 30.0})
+        assert not any(geo.pointSetUpToDate("points") for geo in lattices)
+        assert all(geo.revision > before for geo, before in zip(lattices, revisions))
+        for geo, before in zip(lattices, jacobians):
+            assert np.abs(geo.computeTotalJacobian("points") - before).max() > 1e-3
+        parent.setDesignVars({"grandchild_bend": 0.0})
+
+
 def test_a_matrix_in_place_of_binding():
     geo = DVGeometry(wing())
     geo.addLocalDV("up", axis="y")
