@@ -401,7 +401,12 @@ class DVGeometry(ReferenceAxes, Derivatives):
         (variables, 3 N), which JT[ptSetName] keeps until variables are set."""
         if self.JT[ptSetName] is None or self.JT[ptSetName][0] != config:
             parts = [jacobian(deformation, change).csr() for deformation, change in self._parts(ptSetName, config)]
-            self.JT[ptSetName] = config, sum(parts[1:], parts[0]).T.tocsr()
+            total = sum(parts[1:], parts[0]).T.tocsr()
+            if ptSetName in self._transfer:
+                # Each row is a change of the points by one variable, which the other frame turns.
+                turned = [self._to_frame(ptSetName, row.toarray().reshape(-1, 3)).ravel() for row in total]
+                total = scipy.sparse.csr_matrix(np.reshape(turned, total.shape))
+            self.JT[ptSetName] = config, total
         return self.JT[ptSetName][1]
 
     def _parts(self, ptSetName, config):
@@ -451,9 +456,13 @@ class DVGeometry(ReferenceAxes, Derivatives):
         seed = np.concatenate([np.zeros(0), *seeds])
         moved = np.ravel(sum(deformation @ (change @ seed).reshape(-1, 3)
                              for deformation, change in self._parts(ptSetName, config)))
-        if ptSetName in self._transfer:
-            moved = np.ravel(self._transfer[ptSetName](moved.reshape(-1, 3), mode="fwd", applyDisplacement=False))
-        return moved
+        return np.ravel(self._to_frame(ptSetName, moved.reshape(-1, 3)))
+
+    def _to_frame(self, ptSetName, changes):
+        """Changes of points, in the frame of the points."""
+        if ptSetName not in self._transfer:
+            return changes
+        return np.asarray(self._transfer[ptSetName](changes, mode="fwd", applyDisplacement=False))
 
     def totalSensitivityTransProd(self, vec, ptSetName, config=None):
         """Carries one gradient by the points to the variables. Returns a dict from names to arrays (variables,).

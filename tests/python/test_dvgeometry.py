@@ -299,6 +299,7 @@ def test_points_in_another_frame():
     seed = {"up": np.array([1.0, 2, 3])}
     np.testing.assert_allclose(geo.totalSensitivityProd(seed, "there").reshape(-1, 3), transfer(
         geo.totalSensitivityProd(seed, "points").reshape(-1, 3), applyDisplacement=False), atol=1e-14)
+    expect_derivatives(geo, values, "there")
 
 
 def test_configurations():
