@@ -159,7 +159,8 @@ class ReferenceAxes:
                 if not group.applies(config):
                     continue
                 try:
-                    group.function(values[name], self)
+                    # A copy: the function may change the values in place.
+                    group.function(values[name].copy(), self)
                 except _ComplexWarning as error:
                     raise ValueError(f"{name}: its function drops the imaginary part of its values; derivatives need it "
                                      "(use no float(), no abs() and no real arrays)") from error

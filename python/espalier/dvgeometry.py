@@ -330,7 +330,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         for name, group in self._groups().items():
             if name not in dvDict:
                 continue
-            values = np.atleast_1d(np.asarray(dvDict[name], dtype=float)).ravel()
+            values = np.array(dvDict[name], dtype=float).ravel()
             if len(values) != group.nVal:
                 raise ValueError(f"{name}: expected {group.nVal} values, got {len(values)}")
             if not np.isfinite(values).all():
@@ -350,9 +350,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
             if name in ignoreVars or not (globalVars if isinstance(group, _Global) else localVars):
                 continue
             frozen = name in freezeVars
-            optProb.addVarGroup(name, group.nVal, "c", value=group.value, scale=group.scale,
-                                lower=group.value if frozen else group.lower,
-                                upper=group.value if frozen else group.upper)
+            optProb.addVarGroup(name, group.nVal, "c", value=group.value.copy(), scale=group.scale,
+                                lower=group.value.copy() if frozen else group.lower,
+                                upper=group.value.copy() if frozen else group.upper)
 
     # Positions and derivatives.
 

@@ -358,6 +358,33 @@ def test_variables_change_the_whole_tree():
         parent.setDesignVars({"grandchild_bend": 0.0})
 
 
+def test_functions_and_optimisers_get_copies_of_the_values():
+    """A function that scaled its values in place scaled the variables with each update."""
+    def radians(values, geo):
+        values *= 2
+        geo.rot_z["axis"].coef[:] = values[0]
+
+    geo = with_function(radians, 10.0)
+    first = geo.update("points")
+    np.testing.assert_array_equal(geo.update("points"), first)
+    expect_derivatives(geo, geo.getValues())
+    assert geo.getValues()["f"] == 10
+
+    class Problem:
+        def addVarGroup(self, name, count, kind, value, lower, upper, scale):
+            value *= 0
+            if lower is not None:
+                lower *= 0
+
+    geo.addVariablesPyOpt(Problem(), freezeVars=["f"])
+    assert geo.getValues()["f"] == 10
+    # The array of a caller who goes on with it.
+    mine = np.array([3.0])
+    geo.setDesignVars({"f": mine})
+    mine[:] = 4
+    assert geo.getValues()["f"] == 3
+
+
 def test_a_matrix_in_place_of_binding():
     geo = DVGeometry(wing())
     geo.addLocalDV("up", axis="y")
