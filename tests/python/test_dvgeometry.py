@@ -2,6 +2,8 @@
 """espalier.dvgeometry: the calls of pyGeo on lattices. The numbers of pyGeo's own tests are compared by hand
 (docs/from-pygeo-pygem-su2.md)."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -104,6 +106,23 @@ def test_derivatives(lattice, axis):
     assert geo.getVarNames() == ["twist", "chord", "turn", "span", "up", "bump"]
     assert geo.getNDV() == 3 + 4 + 3 + 1 + 3 + 2
     expect_derivatives(geo, some_values(geo))
+
+
+def test_the_memory_for_derivatives_is_in_proportion_to_the_lattice():
+    """Rows that were set one by one made a dense matrix: 6,600 bytes for each of 216 vertices, 33,000 for each of 1,331."""
+    bytes_per_vertex = []
+    for n in (5, 10):
+        geo = DVGeometry(espalier.shapes.box(cells=(n, n, n), min=(-1, -0.5, 0), max=(1, 0.5, 8)))
+        geo.addRefAxis("axis", curve=np.linspace((0, 0, 0), (0, 0, 8), 4), axis=np.array([0, 0, 1.0]))
+        geo.addGlobalDV("chord", np.ones(4), chord)
+        geo.addLocalDV("up")
+        geo.addPointSet(POINTS, "points")
+        tracemalloc.start()
+        geo.totalSensitivity(POINTS, "points")
+        bytes_per_vertex.append(tracemalloc.get_traced_memory()[1] / (n + 1) ** 3)
+        tracemalloc.stop()
+    # A fixed part, which weighs more in the small lattice, and about 350 bytes for each vertex.
+    assert bytes_per_vertex[1] < bytes_per_vertex[0] and bytes_per_vertex[1] < 1000
 
 
 def test_the_points_are_of_the_pose_of_the_lattice():
