@@ -16,6 +16,27 @@ _ComplexWarning = getattr(np, "exceptions", np).ComplexWarning  # its place in N
 _ORDERS = {1: "xyz", 2: "xzy", 3: "yzx", 4: "yxz", 5: "zxy", 6: "zyx", 7: "zxy", 0: "zxy"}
 
 
+def chosen_vertices(name, values, count):
+    """Returns the numbers of some vertices, an array of int, as the library's other functions take them."""
+    values = np.asarray(values)
+    if values.size == 0:
+        return np.zeros(0, int)
+    if values.dtype.kind not in "iu":
+        raise ValueError(f"{name}: expected an array of integers, got {values.dtype}")
+    values = np.ravel(values)
+    wrong = np.flatnonzero((values < 0) | (values >= count))
+    if len(wrong):
+        raise ValueError(f"{name}[{wrong[0]}]: expected a vertex, 0 to {count - 1}, got {values[wrong[0]]}")
+    return values.astype(int)
+
+
+def letter(name, value, letters):
+    """Returns the place of a word of one letter among some letters."""
+    if not isinstance(value, str) or len(value) != 1 or value.lower() not in letters:
+        raise ValueError(f"{name}: expected {', '.join(letters[:-1])} or {letters[-1]}, got {value!r}")
+    return letters.index(value.lower())
+
+
 class _Curve:
     """Numbers or places at the nodes of a reference axis, as pyGeo's functions see them."""
 
@@ -65,8 +86,10 @@ class ReferenceAxes:
             raise ValueError("name: add the reference axes of a child before addChild()")
         if volumes is not None or len(includeVols) > 0:
             raise ValueError("volumes: the blocks are one lattice; give `vertices`")
-        if rotType not in _ORDERS or rotAxisVar is not None:
+        if rotType not in _ORDERS:
             raise ValueError(f"rotType: expected 0 to 7, got {rotType}")
+        if rotAxisVar is not None:
+            raise ValueError("rotAxisVar: it is for rotType 8, which Espalier does not have")
         rest = self.lattice.positions
         fractions = (xFraction, yFraction, zFraction)
         if curve is not None:
@@ -80,12 +103,12 @@ class ReferenceAxes:
         chosen = np.ones(len(rest), bool)
         if vertices is not None:
             chosen[:] = False
-            chosen[np.asarray(vertices, int)] = True
-        chosen[np.asarray(ignoreInd, int)] = False
+            chosen[chosen_vertices("vertices", vertices, len(rest))] = True
+        chosen[chosen_vertices("ignoreInd", ignoreInd, len(rest))] = False
         chosen = np.flatnonzero(chosen & ~self._frozen)
         options = {"order": _ORDERS[rotType], "follows": rotType == 0}
         if isinstance(axis, str):
-            options.update(link="along", direction=np.eye(3)["xyz".index(axis.lower())])
+            options.update(link="along", direction=np.eye(3)[letter("axis", axis, "xyz")])
         elif axis is not None:
             options.update(link="across", direction=np.asarray(axis, dtype=float))
         if rot0ang is not None:
@@ -96,7 +119,7 @@ class ReferenceAxes:
         return len(nodes)
 
     def _nodes_of_layers(self, fractions, align_index, angle, about):
-        layers = np.moveaxis(self.getLocalIndex(0), "ijk".index(align_index.lower()), 0)
+        layers = np.moveaxis(self.getLocalIndex(0), letter("alignIndex", align_index, "ijk"), 0)
         nodes = []
         for layer in layers:
             places = self.lattice.positions[layer.ravel()]

@@ -4,6 +4,9 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+def chosen_vertices(name: str, values: ArrayLike, count: int) -> NDArray[np.int_]: ...
+def letter(name: str, value: str, letters: str) -> int: ...
+
 class ReferenceAxes:
     def __init__(self) -> None: ...
     def addRefAxis(

@@ -22,9 +22,12 @@ import scipy.sparse
 
 from ._core import DesignVariables, Lattice, Refiner, bind, jacobian, read
 from ._derivatives import Derivatives
-from ._reference_axes import ReferenceAxes
+from ._reference_axes import ReferenceAxes, chosen_vertices, letter
 
 __all__ = ["DVGeometry"]
+
+_OPTIONS = "level", "limit", "basis", "outside", "tolerance"  # of bind(), for all points
+_SIDES = "iLow", "iHigh", "jLow", "jHigh", "kLow", "kHigh"
 
 
 class _Group:
@@ -93,6 +96,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
             self._refiner = Refiner(self.lattice)
         if options.pop("isComplex", False):
             raise ValueError("isComplex: the derivatives of totalSensitivity() are exact; there are no complex points")
+        for each in options:
+            if each not in _OPTIONS:
+                raise TypeError(f"{each}: there is no such option; there are {', '.join(_OPTIONS)}")
         self._options = options
         self.name, self.isChild, self.revision = name, child, 0
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
@@ -102,10 +108,14 @@ class DVGeometry(ReferenceAxes, Derivatives):
         self._frozen = np.zeros(len(self.lattice.positions), bool)
         if not move_held:
             self._frozen[self.lattice.held] = True
-        self._frozen[np.asarray(frozen, int)] = True
+        self._frozen[chosen_vertices("frozen", frozen, len(self._frozen))] = True
         for volume, faces in (faceFreeze or {}).items():
-            layers = self.getLocalIndex(int(volume))
+            if str(volume) != "0":
+                raise ValueError(f"faceFreeze: the blocks are one lattice, \"0\"; got {volume!r}")
+            layers = self.getLocalIndex()
             for face in faces:
+                if face not in _SIDES:
+                    raise ValueError(f"faceFreeze: expected a list of {', '.join(_SIDES)}; got {face!r}")
                 along = np.moveaxis(layers, "ijk".index(face[0]), 0)
                 self._frozen[along[:2] if face[1:] == "Low" else along[-2:]] = True
 
@@ -258,11 +268,19 @@ class DVGeometry(ReferenceAxes, Derivatives):
             if pointSelect is not None:
                 vertices = pointSelect.getPoints(self.lattice.positions)[1]
             chosen = np.zeros(count, bool)
-            chosen[slice(None) if vertices is None else np.asarray(vertices, int)] = True
+            chosen[slice(None) if vertices is None else chosen_vertices("vertices", vertices, count)] = True
             design.freeze(np.flatnonzero(~chosen | self._frozen))
-            for c in {0, 1, 2} - {"xyz".index(letter) for letter in axis.lower()}:
+            for c in {0, 1, 2} - self._directions(axis):
                 design.freeze(np.arange(count), c)
         return self._add_local(name, design.matrix().csr(), lower, upper, scale, config)
+
+    @staticmethod
+    def _directions(axis):
+        """The numbers of the directions in a word."""
+        letters = list(axis.lower()) if isinstance(axis, str) else []
+        if not letters or len(set(letters)) < len(letters) or not set(letters) <= set("xyz"):
+            raise ValueError(f"axis: expected x, y, z or several of them, such as xy; got {axis!r}")
+        return {"xyz".index(each) for each in letters}
 
     def addShapeFunctionDV(self, dvName, shapes, lower=None, upper=None, scale=1.0, config=None, prependName=True):
         """Adds a variable for each shape, which moves several vertices. Returns the number of variables.
@@ -275,9 +293,14 @@ class DVGeometry(ReferenceAxes, Derivatives):
         matrix = scipy.sparse.lil_matrix((3 * len(self.lattice.positions), len(shapes)))
         for column, shape in enumerate(shapes):
             for vertex, vector in shape.items():
+                if isinstance(vertex, (bool, np.bool_)) or not isinstance(vertex, (int, np.integer)):
+                    raise ValueError(f"shapes[{column}]: expected integers as vertices, got {vertex!r}")
                 if not 0 <= vertex < len(self.lattice.positions):
                     raise ValueError(f"shapes[{column}]: there is no vertex {vertex}")
-                matrix[3 * int(vertex):3 * int(vertex) + 3, column] = np.reshape(vector, (3, 1))
+                vector = np.asarray(vector, dtype=float)
+                if vector.shape != (3,) or not np.isfinite(vector).all():
+                    raise ValueError(f"shapes[{column}]: expected 3 finite numbers for vertex {vertex}, got {vector}")
+                matrix[3 * int(vertex):3 * int(vertex) + 3, column] = vector.reshape(3, 1)
         return self._add_local(name, matrix.tocsr(), lower, upper, scale, config)
 
     def addSpanwiseLocalDV(self, dvName, spanIndex, axis="y", lower=None, upper=None, scale=1.0, pointSelect=None,
@@ -290,8 +313,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
         """
         if volList is not None or pointSelect is not None:
             raise ValueError("pointSelect: lines go through the whole box; give addShapeFunctionDV() the shapes")
-        lines = np.moveaxis(self.getLocalIndex(0), "ijk".index(spanIndex.lower()), -1)
-        vector = np.eye(3)["xyz".index(axis.lower())]
+        lines = np.moveaxis(self.getLocalIndex(0), letter("spanIndex", spanIndex, "ijk"), -1)
+        vector = np.eye(3)[letter("axis", axis, "xyz")]
         shapes = [{vertex: vector for vertex in line if not self._frozen[vertex]}
                   for line in lines.reshape(-1, lines.shape[-1])]
         return self.addShapeFunctionDV(dvName, [shape for shape in shapes if shape], lower, upper, scale, config)
@@ -431,7 +454,10 @@ class DVGeometry(ReferenceAxes, Derivatives):
         dIdpt : array (N, 3), or (M, N, 3) for M functions
         comm : communicator of mpi4py, over which the results are summed
         """
-        gradients = np.array(dIdpt, dtype=float).reshape(-1, len(self.points[ptSetName]), 3)
+        gradients, shape = np.array(dIdpt, dtype=float), self.points[ptSetName].shape
+        if gradients.ndim not in (2, 3) or gradients.shape[-2:] != shape:
+            raise ValueError(f"dIdpt: expected an array of shape {shape} or (M, {shape[0]}, 3), got {gradients.shape}")
+        gradients = gradients if gradients.ndim == 3 else gradients[None]
         if ptSetName in self._transfer:
             for m, each in enumerate(gradients):
                 gradients[m] = self._transfer[ptSetName](each, mode="bwd", applyDisplacement=False)
@@ -451,9 +477,12 @@ class DVGeometry(ReferenceAxes, Derivatives):
         for name in vec:
             if name not in groups:
                 raise ValueError(f"vec: there are no variables {name}; there are {', '.join(groups)}")
-        seeds = [np.ravel(np.asarray(vec.get(name, np.zeros(group.nVal)), dtype=float))
-                 for name, group in groups.items()]
-        seed = np.concatenate([np.zeros(0), *seeds])
+        seeds = {name: np.ravel(np.asarray(vec.get(name, np.zeros(group.nVal)), dtype=float))
+                 for name, group in groups.items()}
+        for name, group in groups.items():
+            if len(seeds[name]) != group.nVal:
+                raise ValueError(f"vec: expected {group.nVal} values of {name}, got {len(seeds[name])}")
+        seed = np.concatenate([np.zeros(0), *seeds.values()])
         moved = np.ravel(sum(deformation @ (change @ seed).reshape(-1, 3)
                              for deformation, change in self._parts(ptSetName, config)))
         return np.ravel(self._to_frame(ptSetName, moved.reshape(-1, 3)))
@@ -467,13 +496,18 @@ class DVGeometry(ReferenceAxes, Derivatives):
     def totalSensitivityTransProd(self, vec, ptSetName, config=None):
         """Carries one gradient by the points to the variables. Returns a dict from names to arrays (variables,).
 
-        vec : array (N, 3)
+        vec : array (N, 3), or (3 N,): x, y, z of point 0, and so on
         """
-        gradient = np.reshape(np.asarray(vec, dtype=float), (1, -1, 3))
-        return {name: each[0] for name, each in self.totalSensitivity(gradient, ptSetName, config=config).items()}
+        gradient, shape = np.asarray(vec, dtype=float), self.points[ptSetName].shape
+        if gradient.shape not in (shape, (3 * shape[0],)):
+            raise ValueError(f"vec: expected an array of shape {shape}, got {gradient.shape}")
+        back = self.totalSensitivity(gradient.reshape(shape), ptSetName, config=config)
+        return {name: each[0] for name, each in back.items()}
 
     def convertSensitivityToDict(self, dIdx, out1D=False):
         """Splits the columns of an array (M, variables) by the names of the variables: a dict."""
+        if np.shape(dIdx)[-1:] != (self.getNDV(),):
+            raise ValueError(f"dIdx: expected an array with {self.getNDV()} columns, got shape {np.shape(dIdx)}")
         first, result = 0, {}
         for name, group in self._groups().items():
             columns = np.asarray(dIdx)[..., first:first + group.nVal]
@@ -483,6 +517,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
 
     def convertDictToSensitivity(self, dIdxDict):
         """Joins the arrays of a dict by the names of the variables: array (variables,)."""
+        for name, group in self._groups().items():
+            if np.size(dIdxDict[name]) != group.nVal:
+                raise ValueError(f"dIdxDict: expected {group.nVal} values of {name}, got {np.size(dIdxDict[name])}")
         return np.concatenate([np.zeros(0), *(np.ravel(dIdxDict[name]) for name in self._groups())])
 
     def writeTecplot(self, fileName, solutionTime=None):

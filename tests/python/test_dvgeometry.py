@@ -10,6 +10,7 @@ import pytest
 import espalier
 from espalier.dvgeometry import DVGeometry
 
+NODES = np.linspace((0, 0, 0), (0, 0, 8), 4)
 POINTS = np.random.default_rng(0).uniform((-0.9, -0.4, 0.1), (0.9, 0.4, 7.9), (20, 3))
 
 
@@ -524,6 +525,43 @@ def test_functions_are_compared_with_differences_once():
         geo.computeTotalJacobian("points")
 
 
+@pytest.mark.parametrize("wrong, message", [
+    (np.arange(32) > 20, r": expected an array of integers, got bool$"), ([2.7], ": expected an array of integers, got float64$"),
+    ([1, -1], r"\[1\]: expected a vertex, 0 to 31, got -1$"), ([32], r"\[0\]: expected a vertex, 0 to 31, got 32$")], ids=str)
+def test_vertices_are_chosen_by_numbers(wrong, message):
+    """A mask was read as the vertices 0 and 1, -1 as the last vertex, and 2.7 as vertex 2."""
+    geo = DVGeometry(wing())
+    for name, call in [("frozen", lambda: DVGeometry(wing(), frozen=wrong)),
+                       ("vertices", lambda: geo.addLocalDV("up", vertices=wrong)),
+                       ("vertices", lambda: geo.addRefAxis("axis", curve=NODES, vertices=wrong)),
+                       ("ignoreInd", lambda: geo.addRefAxis("axis", curve=NODES, ignoreInd=wrong))]:
+        with pytest.raises(ValueError, match="^" + name + message):
+            call()
+    assert geo.addLocalDV("none", vertices=[]) == 0 and geo.addLocalDV("two", vertices=np.array([3, 5, 5], "u8")) == 2
+
+
+def test_sides_and_options_have_exact_names():
+    for wrong in (["ilow"], ["iMin"], "iLow", ["kLower"], [0]):
+        with pytest.raises(ValueError, match="^faceFreeze: expected a list of iLow, iHigh, jLow, jHigh, kLow, kHigh; got "):
+            DVGeometry(wing(), faceFreeze={"0": wrong})
+    with pytest.raises(ValueError, match="^faceFreeze: the blocks are one lattice, \"0\"; got '1'$"):
+        DVGeometry(wing(), faceFreeze={"1": ["iLow"]})
+    for wrong in ("levle", "symmPlane", "volBounds"):
+        with pytest.raises(TypeError, match=f"^{wrong}: there is no such option; there are level, limit, basis, outside, "):
+            DVGeometry(wing(), **{wrong: 3})
+    low = DVGeometry(wing(), faceFreeze={0: ["jHigh"]})
+    assert low.addLocalDV("none") == 0  # two layers of two
+
+
+def test_sets_without_points_have_gradients():
+    geo = with_variables(wing())
+    geo.addPointSet(np.zeros((0, 3)), "none")
+    assert geo.update("none").shape == (0, 3) and geo.computeTotalJacobian("none").shape == (16, 0)
+    for gradients, count in ((np.zeros((0, 3)), 1), (np.zeros((2, 0, 3)), 2)):
+        back = geo.totalSensitivity(gradients, "none")
+        assert back["twist"].shape == (count, 3) and not back["twist"].any()
+
+
 def test_wrong_arguments():
     geo = with_variables(wing())
     for call, message in [
@@ -539,7 +577,32 @@ def test_wrong_arguments():
             (lambda: geo.addPointSet(POINTS, "p", origConfig=False), "^origConfig: expected True"),
             (lambda: geo.getLocalIndex(1), "^iVol: the blocks are one lattice"),
             (lambda: geo.totalSensitivityProd({"none": [1]}, "points"), "^vec: there are no variables none; there are "),
-            (lambda: DVGeometry(wing(), isComplex=True), "^isComplex: the derivatives")]:
+            (lambda: DVGeometry(wing(), isComplex=True), "^isComplex: the derivatives"),
+            (lambda: geo.addRefAxis("b", curve=NODES, rotAxisVar="t"), "^rotAxisVar: it is for rotType 8"),
+            (lambda: geo.addRefAxis("b", xFraction=0.5, alignIndex="kj"), "^alignIndex: expected i, j or k, got 'kj'$"),
+            (lambda: geo.addRefAxis("b", curve=NODES, axis="xy"), "^axis: expected x, y or z, got 'xy'$"),
+            (lambda: geo.addRefAxis("b", curve=NODES, axis="up"), "^axis: expected x, y or z, got 'up'$"),
+            (lambda: geo.addSpanwiseLocalDV("s", "jk"), "^spanIndex: expected i, j or k, got 'jk'$"),
+            (lambda: geo.addSpanwiseLocalDV("s", ""), "^spanIndex: expected i, j or k, got ''$"),
+            (lambda: geo.addSpanwiseLocalDV("s", "k", axis="xz"), "^axis: expected x, y or z, got 'xz'$"),
+            (lambda: geo.addLocalDV("s", axis=""), "^axis: expected x, y, z or several of them, such as xy; got ''$"),
+            (lambda: geo.addLocalDV("s", axis="yy"), "^axis: expected x, y, z or several .* got 'yy'$"),
+            (lambda: geo.addLocalDV("s", axis="u"), "^axis: expected x, y, z or several .* got 'u'$"),
+            (lambda: geo.addShapeFunctionDV("s", {2.7: (0, 0, 1)}), r"^shapes\[0\]: expected integers as vertices, got 2.7$"),
+            (lambda: geo.addShapeFunctionDV("s", {True: (0, 0, 1)}), r"^shapes\[0\]: expected integers as vertices, got True"),
+            (lambda: geo.addShapeFunctionDV("s", {1: (0, 1)}), r"^shapes\[0\]: expected 3 finite numbers for vertex 1, got "),
+            (lambda: geo.addShapeFunctionDV("s", {1: (0, 1, np.nan)}), r"^shapes\[0\]: expected 3 finite numbers for ver"),
+            (lambda: geo.totalSensitivity(POINTS.T, "points"),
+             r"^dIdpt: expected an array of shape \(20, 3\) or \(M, 20, 3\), got \(3, 20\)$"),
+            (lambda: geo.totalSensitivity(POINTS.ravel(), "points"), "^dIdpt: expected an array of shape"),
+            (lambda: geo.totalSensitivity(POINTS.reshape(2, 10, 3), "points"), "^dIdpt: expected an array of shape"),
+            (lambda: geo.totalSensitivityTransProd(POINTS.T, "points"),
+             r"^vec: expected an array of shape \(20, 3\), got \(3, 20\)$"),
+            (lambda: geo.totalSensitivityProd({"twist": np.ones(4), "turn": np.ones(2)}, "points"),
+             "^vec: expected 3 values of twist, got 4$"),
+            (lambda: geo.convertSensitivityToDict(np.ones((1, 3))), r"^dIdx: expected an array with 16 columns, got shape"),
+            (lambda: geo.convertDictToSensitivity({**geo.getValues(), "up": np.ones(2)}),
+             "^dIdxDict: expected 3 values of up, got 2$")]:
         with pytest.raises(ValueError, match=message):
             call()
     def real(values, geo):
