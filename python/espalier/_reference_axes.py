@@ -56,7 +56,8 @@ class _Curve:
 
 
 class ReferenceAxes:
-    """Reference axes that carry the vertices of a lattice. The subclass has the lattice and getLocalIndex()."""
+    """Reference axes that carry the vertices of a lattice. The subclass has the lattice, getLocalIndex() and
+    _changed()."""
 
     def __init__(self):
         super().__init__()
@@ -80,10 +81,12 @@ class ReferenceAxes:
         rot0ang, rot0axis : with rotType 0, scale_x, scale_y and scale_z are along the axes of a lattice that
             these degrees about this axis would turn to x, y and z
         ignoreInd : vertices that the axis does not move
-        vertices : array (K,) of int: the vertices that the axis moves; all by default
+        vertices : array (K,) of int: the vertices that the axis moves; all by default. A vertex has at most one axis
         """
         if self._parent is not None:
             raise ValueError("name: add the reference axes of a child before addChild()")
+        if name in self.axis:
+            raise ValueError(f"name: there is an axis {name} already")
         if volumes is not None or len(includeVols) > 0:
             raise ValueError("volumes: the blocks are one lattice; give `vertices`")
         if rotType not in _ORDERS:
@@ -113,9 +116,15 @@ class ReferenceAxes:
             options.update(link="across", direction=np.asarray(axis, dtype=float))
         if rot0ang is not None:
             options["frame"] = _turn(np.eye(3), rot0axis, -rot0ang)
+        for other, (carried, _) in self._axes.items():
+            both = np.intersect1d(carried, chosen)
+            if len(both):
+                raise ValueError(f"vertices: the axes {other} and {name} would both carry vertex {both[0]}; give the "
+                                 "vertices of each axis by `vertices` or `ignoreInd`")
         self._axes[name] = (chosen, ReferenceAxis(rest[chosen], nodes, **options))
         self.axis[name] = {"curve": _Curve(nodes), "rotType": rotType, "axis": axis}
         self._start_axes(self._rest_nodes())
+        self._changed()
         return len(nodes)
 
     def _nodes_of_layers(self, fractions, align_index, angle, about):

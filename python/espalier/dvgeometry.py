@@ -103,7 +103,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         self.name, self.isChild, self.revision = name, child, 0
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
         self.children, self.DV_listLocal = OrderedDict(), OrderedDict()
-        self._bindings, self._carried, self._transfer, self._kept = {}, {}, {}, {}
+        self._bindings, self._carried, self._transfer, self._kept, self._active = {}, {}, {}, {}, {}
         super().__init__()
         self._frozen = np.zeros(len(self.lattice.positions), bool)
         if not move_held:
@@ -130,27 +130,48 @@ class DVGeometry(ReferenceAxes, Derivatives):
         origConfig : must be True: points are of the lattice at rest
         coordXfer : function (array (N, 3), mode="fwd" or "bwd", applyDisplacement=True) between the frame of
             the lattice and the frame of the points
-        activeChildren : list of names: the children whose variables move the points; all by default
+        activeChildren : list of names: the children whose variables move the points; all by default, also
+            children that are added later
         deformation : D, a sparse matrix (N, V), in place of binding the points
         options : of bind(), for these points only
         """
         if not origConfig:
             raise ValueError("origConfig: expected True, points of the lattice at rest")
+        for name in activeChildren if activeChildren is not None else ():
+            if name not in self.children:
+                raise ValueError(f"activeChildren: there is no child {name}; add the children before the points")
+        self._require_no_set(ptName, activeChildren)
+        for each in options:
+            if each not in (*_OPTIONS, "weights", "falloff") or deformation is not None:
+                raise TypeError(f"{each}: " + ("the points are not bound if there is a `deformation`" if deformation is not None
+                                               else f"there is no such option; there are {', '.join(_OPTIONS)}, weights, "
+                                               "falloff"))
         points = np.array(points, dtype=float)
         if coordXfer is not None:
-            self._transfer[ptName] = coordXfer
             points = np.asarray(coordXfer(points, mode="bwd", applyDisplacement=True))
         if deformation is None:
             deformation = self._bound(points, options)
-        if ptName not in self.ptSetNames:
-            self.ptSetNames.append(ptName)
+        if coordXfer is not None:
+            self._transfer[ptName] = coordXfer
+        self.ptSetNames.append(ptName)
+        self._active[ptName] = activeChildren
         self.points[ptName], self._bindings[ptName] = points, deformation
         self.updated[ptName], self.JT[ptName] = False, None
-        self._kept.pop(ptName, None)
-        self.revision += 1
+        for child in self._children_of(ptName):
+            child.addPointSet(points, ptName)
+        self._changed()
+
+    def _require_no_set(self, ptName, activeChildren=None):
+        if ptName in self.points:
+            raise ValueError(f"ptName: {self._title()} has points {ptName} already")
         for name, child in self.children.items():
             if activeChildren is None or name in activeChildren:
-                child.addPointSet(points, ptName)
+                child._require_no_set(ptName)
+
+    def _children_of(self, ptName):
+        """The children whose variables move some points."""
+        active = self._active[ptName]
+        return [child for name, child in self.children.items() if active is None or name in active]
 
     def _bound(self, points, options):
         """Returns D for some points."""
@@ -162,7 +183,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
 
     def addChild(self, childDVGeo):
         """Puts a lattice into this one. Its vertices and its reference axes follow this lattice; the changes by
-        its own variables are added to the points inside it.
+        its own variables are added to the points inside it, also to points that were added before.
 
         childDVGeo : DVGeometry with child=True
         """
@@ -176,9 +197,15 @@ class DVGeometry(ReferenceAxes, Derivatives):
             if variables in owners:
                 raise ValueError(f"childDVGeo: {owners[variables]._title()} and {owner._title()} both have variables "
                                  f"{variables}; give the variables other names, or the child a name")
+        for ptName, active in self._active.items():
+            if active is None:
+                childDVGeo._require_no_set(ptName)
         places = np.vstack([childDVGeo.lattice.positions, childDVGeo._rest_nodes()])
         self._carried[name] = (places, self._bound(places, {"outside": "nearest"}))
         self.children[name], childDVGeo._parent = childDVGeo, self
+        for ptName, points in self.points.items():
+            if childDVGeo in self._children_of(ptName):
+                childDVGeo.addPointSet(points, ptName)
         self._changed()
 
     # Variables.

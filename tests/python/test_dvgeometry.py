@@ -234,7 +234,6 @@ def test_children_add_their_changes():
     child.addGlobalDV("angle", np.zeros(2), hinge)
     child.addLocalDV("up", axis="y", vertices=[4, 7])
     parent.addChild(child)
-    parent.addPointSet(POINTS, "points")
     parent.addPointSet(POINTS, "without", activeChildren=[])
     assert parent.getVarNames()[-2:] == ["flap_angle", "flap_up"]
     np.testing.assert_allclose(parent.update("points"), POINTS, atol=1e-13)
@@ -523,6 +522,92 @@ def test_functions_are_compared_with_differences_once():
     geo.addGlobalDV("g", 0.0, partly_real)
     with pytest.raises(ValueError, match="^g: its function drops"):
         geo.computeTotalJacobian("points")
+
+
+def small_child(name="flap"):
+    child = DVGeometry(SMALL, child=True, name=name)
+    child.addLocalDV("up", axis="y")
+    return child
+
+
+def test_children_move_points_that_were_added_before():
+    """They moved nothing."""
+    first, later = DVGeometry(wing()), DVGeometry(wing())
+    first.addChild(small_child())
+    for geo in (first, later):
+        geo.addPointSet(POINTS, "points")
+        geo.addPointSet(POINTS, "without", activeChildren=[])
+    later.addChild(small_child())
+    # A grandchild, too.
+    for geo in (first, later):
+        geo.children["flap"].addChild(small_child("tab"))
+        geo.setDesignVars({name: np.ones(18) for name in ("flap_up", "tab_up")})
+    np.testing.assert_array_equal(first.update("points"), later.update("points"))
+    assert np.abs(later.update("points") - POINTS)[:, 1].max() > 1.9
+    np.testing.assert_array_equal(later.update("without"), POINTS)
+    expect_derivatives(later, later.getValues())
+
+
+def test_sets_of_points_have_one_name_each():
+    """A set that was added again kept its children and its frame."""
+    geo, child = DVGeometry(wing()), small_child()
+    geo.addPointSet(POINTS, "points")
+    with pytest.raises(ValueError, match="^ptName: the outermost lattice has points points already$"):
+        geo.addPointSet(POINTS, "points", activeChildren=[])
+    with pytest.raises(ValueError, match="^activeChildren: there is no child flap; add the children before the points$"):
+        geo.addPointSet(POINTS, "more", activeChildren=["flap"])
+    child.addPointSet(POINTS, "own")
+    geo.addChild(child)
+    with pytest.raises(ValueError, match="^ptName: the child flap has points own already$"):
+        geo.addPointSet(POINTS, "own")
+    other = small_child("other")
+    other.addPointSet(POINTS, "points")
+    with pytest.raises(ValueError, match="^ptName: the child other has points points already$"):
+        geo.addChild(other)
+    assert geo.ptSetNames == ["points"] and list(geo.children) == ["flap"]
+
+
+def test_options_of_points_are_used():
+    geo = DVGeometry(wing())
+    matrix = espalier.bind(wing(), POINTS).matrix
+    for options, message in (({"levle": 2}, "^levle: there is no such option; there are level, limit, basis, outside, "
+                              "tolerance, weights, falloff$"),
+                             ({"level": 2, "deformation": matrix}, "^level: the points are not bound if there is a `def")):
+        with pytest.raises(TypeError, match=message):
+            geo.addPointSet(POINTS, "points", **options)
+    geo.addPointSet(POINTS, "points", weights=np.zeros(20))
+    geo.addLocalDV("up")
+    geo.setDesignVars({"up": np.ones(32)})
+    np.testing.assert_array_equal(geo.update("points"), POINTS)
+
+
+def test_a_vertex_has_one_axis():
+    """The last axis moved it, and other axes did nothing; an axis of the same name replaced the first."""
+    geo = DVGeometry(wing())
+    geo.addRefAxis("a", curve=NODES, vertices=[1, 2, 3])
+    with pytest.raises(ValueError, match="^vertices: the axes a and b would both carry vertex 1; give the vertices of each "):
+        geo.addRefAxis("b", curve=NODES)
+    with pytest.raises(ValueError, match="^name: there is an axis a already$"):
+        geo.addRefAxis("a", curve=NODES, vertices=[4])
+    assert geo.addRefAxis("b", curve=NODES, ignoreInd=[1, 2, 3]) == 4 and list(geo.axis) == ["a", "b"]
+
+
+def test_axes_count_that_are_added_after_their_function():
+    geo = DVGeometry(wing())
+    geo.addRefAxis("a", curve=NODES, vertices=[1, 2, 3])
+    geo.addPointSet(POINTS, "points")
+
+    def lift(values, geo):
+        for name in geo.axis:
+            geo.restoreCoef(geo.extractCoef(name) + (0, values[0], 0), name)
+
+    geo.addGlobalDV("lift", 1.0, lift)
+    geo.update("points")
+    before = geo.computeTotalJacobian("points")
+    geo.addRefAxis("b", curve=NODES, ignoreInd=[1, 2, 3])
+    assert not geo.pointSetUpToDate("points")
+    assert np.abs(geo.computeTotalJacobian("points") - before).max() > 0.1
+    expect_derivatives(geo, geo.getValues())
 
 
 @pytest.mark.parametrize("wrong, message", [
