@@ -103,7 +103,8 @@ class DVGeometry(ReferenceAxes, Derivatives):
         self.name, self.isChild, self.revision = name, child, 0
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
         self.children, self.DV_listLocal = OrderedDict(), OrderedDict()
-        self._bindings, self._carried, self._transfer, self._kept, self._active = {}, {}, {}, {}, {}
+        self._bindings, self._carried, self._transfer, self._kept = {}, {}, {}, {}
+        self._active, self._configs = {}, {}
         super().__init__()
         self._frozen = np.zeros(len(self.lattice.positions), bool)
         if not move_held:
@@ -449,15 +450,15 @@ class DVGeometry(ReferenceAxes, Derivatives):
     def computeTotalJacobian(self, ptSetName, config=None):
         """Computes the derivatives of the points by the variables, as they are set. Returns a sparse matrix of shape
         (variables, 3 N), which JT[ptSetName] keeps until variables are set."""
-        if self.JT[ptSetName] is None or self.JT[ptSetName][0] != config:
+        if self.JT[ptSetName] is None or self._configs[ptSetName] != config:
             parts = [jacobian(deformation, change).csr() for deformation, change in self._parts(ptSetName, config)]
             total = sum(parts[1:], parts[0]).T.tocsr()
             if ptSetName in self._transfer:
                 # Each row is a change of the points by one variable, which the other frame turns.
                 turned = [self._to_frame(ptSetName, row.toarray().reshape(-1, 3)).ravel() for row in total]
                 total = scipy.sparse.csr_matrix(np.reshape(turned, total.shape))
-            self.JT[ptSetName] = config, total
-        return self.JT[ptSetName][1]
+            self.JT[ptSetName], self._configs[ptSetName] = total, config
+        return self.JT[ptSetName]
 
     def _parts(self, ptSetName, config):
         """The pairs of _changes() for the variables as they are set."""

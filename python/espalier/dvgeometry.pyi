@@ -15,9 +15,9 @@ _Config = str | Sequence[str] | None
 _Bound = ArrayLike | None
 
 class DVGeometry(ReferenceAxes, Derivatives):
-    axis: OrderedDict[str, dict[str, Any]]
+    DV_listLocal: OrderedDict[str, Any]
+    JT: dict[str, _Sparse | None]
     children: OrderedDict[str, DVGeometry]
-    coef: NDArray[Any]
     isChild: bool
     lattice: Lattice
     name: str | None

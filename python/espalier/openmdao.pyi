@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 from typing import Any
 
-class GeometryComponent:
+from openmdao.api import ExplicitComponent  # type: ignore
+
+# The methods of ExplicitComponent, such as add_input(), are OpenMDAO's, which has no stubs.
+class GeometryComponent(ExplicitComponent):  # type: ignore[misc]
     options: Any
     def __init__(self, **options: Any) -> None: ...
     def initialize(self) -> None: ...

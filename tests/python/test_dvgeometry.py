@@ -324,6 +324,8 @@ def test_points_in_another_frame():
 def test_configurations():
     geo = with_variables(wing())
     geo.addLocalDV("flaps", axis="y", config="landing")
+    by_config = [geo.computeTotalJacobian("points", config=config) for config in ("landing", "cruise")]
+    assert geo.JT["points"] is by_config[1] and abs(by_config[0] - by_config[1]).max() > 0.1
     values = some_values(geo)
     expect_derivatives(geo, values, config="landing")
     expect_derivatives(geo, values, config="cruise")

@@ -124,6 +124,52 @@ def test_stubs_are_those_of_the_module(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+# The code of the page, the names that it uses, and members that users of pyGeo and OpenMDAO know.
+PAGE_CODE = """
+import pathlib
+from typing import Any
+import numpy as np
+import numpy.typing as npt
+from espalier.dvgeometry import DVGeometry
+from espalier.openmdao import GeometryComponent
+tmp_path = pathlib.Path()
+points = by_points = np.zeros((2, 3))
+problem: Any = None
+thickness: Any = None
+{code}
+geo.rot_x["axis"].coef[:], geo.scale["axis"].s, geo.coef
+geo.DV_listGlobal["twist"].value, geo.DV_listLocal["shape"].lower
+jacobian = geo.JT["wing"]
+if jacobian is not None:
+    jacobian @ points.ravel()
+geometry.add_input("more", val=0.0)
+geometry.options["config"] = "cruise"
+"""
+
+
+@pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
+def test_the_code_of_the_page_of_pygeo_has_types(tmp_path):
+    page = (SOURCE / "docs/from-pygeo-pygem-su2.md").read_text()
+    section = page[page.index("### DVGeometry"):page.index("## PyGeM")]
+    code = "\n".join(re.findall(r"```py(?:thon)?\n(.*?)```", section, re.DOTALL))
+    assert "rot_theta" in code and "GeometryComponent(" in code
+    # A function with types, so that mypy reads its body.
+    code = code.replace("def twist(values, geo):",
+                        "def twist(values: npt.NDArray[np.float64], geo: DVGeometry) -> None:")
+    program = PAGE_CODE.format(code=code)
+    (tmp_path / "page.py").write_text(program)
+    done = mypy(tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    # mypy reads the stubs: a word that is wrong is found.
+    (tmp_path / "page.py").write_text(program + "geo.rot_theta['axis'].coefficients\ngeo.getNDVs()\n")
+    assert mypy(tmp_path).stdout.count("error: ") == 2
+
+
+def mypy(folder):
+    return subprocess.run([sys.executable, "-m", "mypy", "page.py"], cwd=folder, capture_output=True, text=True, check=False,
+                          env={**os.environ, "MYPYPATH": str(PACKAGE.parent), "MYPY_CACHE_DIR": str(folder)})
+
+
 def install(prefix, *components):
     for component in components:
         subprocess.run([os.environ["ESPALIER_CMAKE"], "--install", BINARY_DIR, "--prefix", prefix,
