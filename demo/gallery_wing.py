@@ -86,7 +86,8 @@ FIGURES = [
         "A straight wing of aspect ratio 6 in a lattice whose outer vertices stay. Twenty variables turn, stretch, bend and "
         "thicken its sections. A panel method and a lifting line compute lift and induced drag; Dᵀ carries their gradients by "
         "the {points} points of the mesh to the variables. In ten steps the induced drag falls by {less} % at the same lift, "
-        "no section gets thinner, and the circulation comes close to an ellipse, the best distribution for a span. All "
-        "{cells} cells of the mesh are valid in each step: the smallest ratio of volumes is {ratio}.",
+        "and no section gets thinner. An ellipse is the best distribution of the circulation for a span. On six of eight "
+        "strips the circulation is within 2 % of it; on the two at the tip it stays 9 % and 41 % above. All {cells} cells of "
+        "the mesh are valid in each step: the smallest ratio of volumes is {ratio}.",
         draw_wing),
 ]
