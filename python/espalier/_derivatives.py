@@ -86,6 +86,8 @@ class Derivatives:
         # At a random place near the values: where they are set, a kink such as abs(0) has the difference 0, too.
         random = np.random.default_rng(0)
         values = {name: group.near(random) for name, group in groups.items()}
+        if not self._is_defined(nodes, values, config):
+            values = {name: group.value for name, group in groups.items()}
         extent = np.ptp(nodes, axis=0).max() if len(nodes) else 0.0
         none = {name: np.zeros(len(value)) for name, value in values.items()}
         if self._parent is not None:
@@ -97,6 +99,14 @@ class Derivatives:
                 seed = {**none, name: np.eye(len(value))[k] * max(1, abs(value[k]))}
                 self._compare_steps(nodes, values, np.zeros(nodes.shape), seed, config, f"{name}[{k}]")
         self._checked.add(key)
+
+    def _is_defined(self, nodes, values, config):
+        """Tells whether the functions accept some values."""
+        try:
+            with np.errstate(all="ignore"):
+                return bool(np.isfinite(self._state(nodes, values, config)).all())
+        except Exception:  # pylint: disable=broad-exception-caught
+            return False  # A function of a user may raise anything where it is not defined.
 
     def _compare_steps(self, nodes, values, node_seed, seed, config, variable):
         """Compares the complex step along one direction with differences, after each function."""

@@ -96,6 +96,8 @@ class ReferenceAxes:
         rest = self.lattice.positions
         fractions = (xFraction, yFraction, zFraction)
         if curve is not None:
+            if any(fraction is not None for fraction in fractions):
+                raise ValueError("curve: expected nodes or xFraction, yFraction and zFraction, got both")
             if getattr(curve, "k", 2) != 2:
                 raise ValueError("curve: expected a curve of order 2, straight lines between the nodes")
             nodes = np.array(getattr(curve, "X", curve), dtype=float)

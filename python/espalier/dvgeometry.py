@@ -289,8 +289,13 @@ class DVGeometry(ReferenceAxes, Derivatives):
         """
         if volList is not None:
             raise ValueError("volList: the blocks are one lattice; give `vertices`")
+        given = [each is not None for each in (vertices, pointSelect, design)]
+        if sum(given) > 1:
+            raise ValueError("vertices: expected one of vertices, pointSelect and design")
         name = self._named(dvName, prependName)
         count = len(self.lattice.positions)
+        if design is not None and design.matrix().shape[0] != 3 * count:
+            raise ValueError(f"design: expected variables of {count} vertices, got {design.matrix().shape[0] // 3}")
         if design is None:
             design = DesignVariables(count)
             if pointSelect is not None:

@@ -506,6 +506,34 @@ def test_functions_with_right_derivatives_are_accepted(function, value):
     with_function(scale, value).computeTotalJacobian("points")
 
 
+def test_functions_need_not_be_defined_beyond_their_values():
+    """The place of the comparison is beside the values; where a function refuses it, the comparison is at the values."""
+    def up_to(limit):
+        def scale(values, geo):
+            if values[0].real > limit:
+                raise RuntimeError("too far")
+            geo.scale["axis"].coef[:] = np.sqrt(1.01 - values[0])
+        return scale
+
+    for value, limit in ((1.005, 9), (0.0, 0.005)):
+        geo = with_function(up_to(limit), value)
+        geo.computeTotalJacobian("points")
+    # Bounds are kept.
+    seen = []
+
+    def bounded(values, geo):
+        seen.append(values[0].real)
+        geo.scale["axis"].coef[:] = 1 + values[0]
+
+    geo = with_function(up_to(9), 0.0)
+    for name, value, bounds in (("high", 1.0, (0, 1)), ("low", 0.0, (0, 1)), ("fixed", 0.5, (0.5, 0.5))):
+        geo.addGlobalDV(name, value, bounded, lower=bounds[0], upper=bounds[1])
+        geo.computeTotalJacobian("points")
+        # A step of the differences, 1e-4, goes beyond.
+        assert bounds[0] - 1e-4 <= min(seen) and max(seen) <= bounds[1] + 1e-4
+        del geo.DV_listGlobal[name], seen[:]
+
+
 def test_functions_are_compared_with_differences_once():
     calls = []
 
@@ -665,6 +693,11 @@ def test_wrong_arguments():
             (lambda: geo.getLocalIndex(1), "^iVol: the blocks are one lattice"),
             (lambda: geo.totalSensitivityProd({"none": [1]}, "points"), "^vec: there are no variables none; there are "),
             (lambda: DVGeometry(wing(), isComplex=True), "^isComplex: the derivatives"),
+            (lambda: geo.addRefAxis("b", curve=NODES, xFraction=0.5, alignIndex="k"), "^curve: expected nodes or xFraction"),
+            (lambda: geo.addLocalDV("s", vertices=[1], design=espalier.DesignVariables(32)),
+             "^vertices: expected one of vertices, pointSelect and design$"),
+            (lambda: geo.addLocalDV("s", design=espalier.DesignVariables(31)),
+             "^design: expected variables of 32 vertices, got 31$"),
             (lambda: geo.addRefAxis("b", curve=NODES, rotAxisVar="t"), "^rotAxisVar: it is for rotType 8"),
             (lambda: geo.addRefAxis("b", xFraction=0.5, alignIndex="kj"), "^alignIndex: expected i, j or k, got 'kj'$"),
             (lambda: geo.addRefAxis("b", curve=NODES, axis="xy"), "^axis: expected x, y or z, got 'xy'$"),
