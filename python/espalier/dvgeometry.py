@@ -30,6 +30,12 @@ _OPTIONS = "level", "limit", "basis", "outside", "tolerance"  # of bind(), for a
 _SIDES = "iLow", "iHigh", "jLow", "jHigh", "kLow", "kHigh"
 
 
+def _require_options(options, known):
+    for each in options:
+        if each not in known:
+            raise TypeError(f"{each}: there is no such option; there are {', '.join(known)}")
+
+
 class _Group:
     """A group of design variables."""
 
@@ -96,9 +102,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
             self._refiner = Refiner(self.lattice)
         if options.pop("isComplex", False):
             raise ValueError("isComplex: the derivatives of totalSensitivity() are exact; there are no complex points")
-        for each in options:
-            if each not in _OPTIONS:
-                raise TypeError(f"{each}: there is no such option; there are {', '.join(_OPTIONS)}")
+        _require_options(options, _OPTIONS)
         self._options = options
         self.name, self.isChild, self.revision = name, child, 0
         self.points, self.ptSetNames, self.updated, self.JT = OrderedDict(), [], {}, {}
@@ -134,7 +138,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         activeChildren : list of names: the children whose variables move the points; all by default, also
             children that are added later
         deformation : D, a sparse matrix (N, V), in place of binding the points
-        options : of bind(), for these points only
+        options : of bind(), for these points only; also weights and falloff
         """
         if not origConfig:
             raise ValueError("origConfig: expected True, points of the lattice at rest")
@@ -142,11 +146,9 @@ class DVGeometry(ReferenceAxes, Derivatives):
             if name not in self.children:
                 raise ValueError(f"activeChildren: there is no child {name}; add the children before the points")
         self._require_no_set(ptName, activeChildren)
-        for each in options:
-            if each not in (*_OPTIONS, "weights", "falloff") or deformation is not None:
-                raise TypeError(f"{each}: " + ("the points are not bound if there is a `deformation`" if deformation is not None
-                                               else f"there is no such option; there are {', '.join(_OPTIONS)}, weights, "
-                                               "falloff"))
+        if options and deformation is not None:
+            raise TypeError(f"{next(iter(options))}: the points are not bound if there is a `deformation`")
+        _require_options(options, (*_OPTIONS, "weights", "falloff"))
         points = np.array(points, dtype=float)
         if coordXfer is not None:
             points = np.asarray(coordXfer(points, mode="bwd", applyDisplacement=True))
@@ -155,7 +157,7 @@ class DVGeometry(ReferenceAxes, Derivatives):
         if coordXfer is not None:
             self._transfer[ptName] = coordXfer
         self.ptSetNames.append(ptName)
-        self._active[ptName] = activeChildren
+        self._active[ptName] = None if activeChildren is None else list(activeChildren)
         self.points[ptName], self._bindings[ptName] = points, deformation
         self.updated[ptName], self.JT[ptName] = False, None
         for child in self._children_of(ptName):

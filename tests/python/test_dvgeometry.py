@@ -467,8 +467,13 @@ def by_length(values, geo):
     geo.scale_y["axis"].coef[:] = 8 / np.linalg.norm(nodes[-1] - nodes[0])
 
 
+def far_away(values, geo):
+    nodes = geo.extractCoef("axis") + (1e5, 0, 0)
+    geo.restoreCoef(nodes + (1e-3 * values[0].real, 0, 0), "axis")
+
+
 @pytest.mark.parametrize("function, value, changed", [
-    (partly_real, 5.0, "rot_z"), (partly_real, 0.0, "rot_z"), (partly_real, -5.0, "rot_z"), (by_length, 1.1, "scale_y")])
+    (far_away, 0.0, "x"), (partly_real, 5.0, "rot_z"), (partly_real, 0.0, "rot_z"), (partly_real, -5.0, "rot_z"), (by_length, 1.1, "scale_y")])
 def test_a_function_that_drops_a_part_of_its_imaginary_values_is_refused(function, value, changed):
     """The derivatives were wrong by 0.0165 of partly_real at 5, and by 0.72 of by_length."""
     geo = with_function(function, value)
