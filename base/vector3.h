@@ -57,6 +57,10 @@ inline Point3 normalised(const Point3& a) {
 }
 
 /// Returns the mean of one or more points.
+inline bool isFinite(const Point3& point) {
+    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
 inline Point3 mean(std::span<const Point3> points) {
     Point3 total = {0, 0, 0};
     for (const Point3& point : points) total = sum(total, point);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -93,10 +94,6 @@ std::vector<ErrorScale::Tick> ErrorScale::ticks(double spacing) const {
 namespace {
 
 using Eigen::Vector3d;
-
-bool isFinite(const Point3& p) {
-    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 /// Returns the faces whose corners are all finite.
 std::vector<SeenFace> drawableFaces(const SurfaceError& surface) {

@@ -18,8 +18,8 @@ namespace espalier::io {
 /// not name. The extension of the path tells the format:
 ///
 /// - `.csv`: a line `vertex,dx,dy,dz` for each vertex that moves, in any order. The first line may
-///   be the header `vertex,dx,dy,dz`. Empty lines and lines that begin with # are skipped. A number
-///   of a vertex may be written as a real, 3.0.
+///   be the header `vertex,dx,dy,dz`. Empty lines and lines that begin with # are skipped. The
+///   number of a vertex may be a real without a fraction: 3.0.
 /// - `.npy`: an array of NumPy with a row for each vertex that moves, in any order: its number and
 ///   the vector, n × 4; or with the vectors of all vertices in their order, n × 3. Integers, and
 ///   reals of 4 or 8 bytes, in C or Fortran order.

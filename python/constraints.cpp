@@ -166,12 +166,12 @@ derivatives : of a measure, of shape (m, 3 N); jacobian : of espalier.jacobian()
 }  // namespace
 
 void addConstraints(py::module_& module) {
-    auto constraints = module.def_submodule(
-        "_constraints", "Measures of a shape with their derivatives, for constraints.");
-    constraints.attr("__module__") = "espalier.constraints";
-    addMeasures(constraints);
-    addChains(constraints);
-    py::delattr(constraints, "__module__");
+    addSubmodule(module, "_constraints",
+                 "Measures of a shape with their derivatives, for constraints.",
+                 "espalier.constraints", [](py::module_& constraints) {
+                     addMeasures(constraints);
+                     addChains(constraints);
+                 });
 }
 
 }  // namespace espalier::python

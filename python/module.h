@@ -42,6 +42,18 @@ void protectBaseClass();
 /// have been added.
 void protectClasses(const py::module_& module);
 
+/// Adds a submodule whose objects say that they are of a public module.
+/// \param name "_pose"
+/// \param publicName "espalier.pose"
+template <class Add>
+void addSubmodule(py::module_& module, const char* name, const char* doc, const char* publicName,
+                  Add add) {
+    auto submodule = module.def_submodule(name, doc);
+    submodule.attr("__module__") = publicName;
+    add(submodule);
+    py::delattr(submodule, "__module__");
+}
+
 /// Translates Error to ValueError and MemoryError to MemoryError, with the same text, for
 /// exceptions of this shared object.
 void translateErrors();

@@ -430,14 +430,14 @@ weights : array (V,) of float from 0 to 1, without a falloff
 }  // namespace
 
 void addPose(py::module_& module) {
-    auto poseModule = module.def_submodule(
-        "_pose", "Operations that pose a lattice (Barr 1984), and selections of its vertices.");
-    poseModule.attr("__module__") = "espalier.pose";
-    addOperations(poseModule);
-    addMirror(poseModule);
-    addSelections(poseModule);
-    addSelectionsAlongCells(poseModule);
-    py::delattr(poseModule, "__module__");
+    addSubmodule(module, "_pose",
+                 "Operations that pose a lattice (Barr 1984), and selections of its vertices.",
+                 "espalier.pose", [](py::module_& poseModule) {
+                     addOperations(poseModule);
+                     addMirror(poseModule);
+                     addSelections(poseModule);
+                     addSelectionsAlongCells(poseModule);
+                 });
 }
 
 }  // namespace espalier::python

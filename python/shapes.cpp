@@ -357,12 +357,7 @@ fraction of the diagonal: 0 to 1
 )");
 }
 
-}  // namespace
-
-void addShapes(py::module_& module) {
-    auto shapesModule =
-        module.def_submodule("_shapes", "Ready-made lattices (MacCracken & Joy 1996, section 5).");
-    shapesModule.attr("__module__") = "espalier.shapes";
+void addAll(py::module_& shapesModule) {
     shapesModule.def(
         "box",
         [](const std::array<int, 3>& cells, const Point3& min, const Point3& max) {
@@ -398,7 +393,13 @@ lattices : list of Lattice, all of one dimension and with the same attributes
 tolerance : largest distance of vertices that become one, as a fraction of the diagonal of the box
 around all lattices
 )");
-    py::delattr(shapesModule, "__module__");
+}
+
+}  // namespace
+
+void addShapes(py::module_& module) {
+    addSubmodule(module, "_shapes", "Ready-made lattices (MacCracken & Joy 1996, section 5).",
+                 "espalier.shapes", addAll);
 }
 
 }  // namespace espalier::python

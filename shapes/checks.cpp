@@ -20,10 +20,6 @@ const char* complexName(int dimension) {
 
 }  // namespace
 
-bool isFinite(const Point3& point) {
-    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
 void requireAtLeast(const std::string& shape, const std::string& field, int value, int least) {
     if (value < least)
         throw ArgumentError(shape, field, std::to_string(value), concat(least, " or more"));

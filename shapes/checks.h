@@ -5,6 +5,7 @@
 #include <espalier/base/index.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/point.h>
+#include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 
@@ -15,8 +16,6 @@
 // Checks of the arguments of this folder's functions; not installed. Each check throws an
 // ArgumentError, unless it says otherwise.
 namespace espalier::shapes {
-
-bool isFinite(const Point3& point);
 
 void requireAtLeast(const std::string& shape, const std::string& field, int value, int least);
 void requireFinite(const std::string& shape, const std::string& field, double value);

@@ -64,8 +64,8 @@ public:
     }
 
 private:
-    /// The coordinate along a direction in which points of grids do not coincide. Its length is
-    /// below 1, so that keys differ by no more than places do.
+    /// Returns the coordinate along an oblique vector, which differs for the points of a grid. The
+    /// vector is shorter than 1, so the keys of two places differ by at most their distance.
     static double key(const Point3& place) {
         return 0.61 * place[0] + 0.53 * place[1] + 0.58 * place[2];
     }

@@ -71,8 +71,19 @@ StencilTable<double> tableOf(std::span<const Gradient> gradients, std::size_t po
         [&](Index row, stencils::RowAccumulator& sums) { gradients[row].addTo(sums); });
 }
 
+/// Returns measures, if they are finite.
+/// \throws Error if products of coordinates overflowed or vanished
+Measures finite(Measures measures) {
+    for (std::size_t k = 0; k < measures.values.size(); ++k)
+        if (!std::isfinite(measures.values[k]))
+            throw Error(concat("measure ", k,
+                               " is not finite, since the points are too near or too far for its "
+                               "products; scale the points nearer to 1"));
+    return measures;
+}
+
 Measures one(double value, const Gradient& gradient, std::size_t pointCount) {
-    return {{value}, tableOf(std::span(&gradient, 1), pointCount)};
+    return finite({{value}, tableOf(std::span(&gradient, 1), pointCount)});
 }
 
 /// The distance from `a` to `b`, and its derivative by `b`; the derivative by `a` is the opposite.
@@ -104,7 +115,7 @@ std::optional<Crossing> meet(const Line& line, const Point3& a, const Point3& b,
     const Point3 ab = difference(b, a), ac = difference(c, a), arm = difference(line.point, a);
     const Point3 normal = cross(ab, ac);
     const double across = -dot(normal, line.direction);
-    // Less is the rounding of a line in the plane of the triangle.
+    // A smaller value is rounding: the line is in the plane of the triangle.
     constexpr double kRounding = 1e-14;
     if (!(std::abs(across) > kRounding * length(normal) * length(line.direction)))
         return std::nullopt;
@@ -177,7 +188,7 @@ Measures measureDistances(std::span<const Point3> points,
         gradient.add(b, distance->direction);
     }
     result.derivatives = tableOf(gradients, points.size());
-    return result;
+    return finite(std::move(result));
 }
 
 StencilTable<double> findCrossings(std::span<const Point3> points,
@@ -199,7 +210,7 @@ StencilTable<double> findCrossings(std::span<const Point3> points,
     parallelFor(std::ssize(lines), 1, [&](Offset k, Offset end) {
         for (; k < end; ++k) crossings[k] = crossingsOf(unit[k], points, triangles);
     });
-    // Nearer is the rounding of a point that is on the surface.
+    // A smaller distance is rounding: the point is on the surface.
     const double rounding = points.empty() ? 0 : 1e-9 * BoundingBox(points).diagonal();
     for (std::size_t k = 0; k < crossings.size(); ++k) {
         const auto& [ahead, behind] = crossings[k];
@@ -251,7 +262,7 @@ Measures measureThicknesses(std::span<const Point3> points, const StencilTable<d
                              scaled(distance->direction, sign * crossings.weights(side)[k]));
     }
     result.derivatives = tableOf(gradients, points.size());
-    return result;
+    return finite(std::move(result));
 }
 
 Measures measureVolume(std::span<const Point3> points, std::span<const Triangle> triangles) {
@@ -260,7 +271,7 @@ Measures measureVolume(std::span<const Point3> points, std::span<const Triangle>
     requireClosed(triangles);
     double volume = 0;
     Gradient gradient;
-    // From a point of the surface: a surface far from the origin loses no digits.
+    // Measured from a point of the surface, so that a surface far from the origin loses no digits.
     const Point3 origin = triangles.empty() ? Point3{0, 0, 0} : points[triangles[0][0]];
     for (const auto& [a, b, c] : triangles) {
         const Point3 p = difference(points[a], origin), q = difference(points[b], origin),
@@ -317,7 +328,7 @@ Measures measureCurvatures(std::span<const Point3> points, std::span<const Index
         Gradient& gradient = gradients.emplace_back();
         if (!(size > 0)) continue;
         const Point3 unit = scaled(normal, 2 / (product * size));
-        // Of the area, by p and q, and of the logarithms of the three lengths.
+        // Derivatives of the area by p and q, and of the logarithms of the three lengths.
         const Point3 byP = difference(cross(q, unit), scaled(ab.direction, curvature / ab.length));
         const Point3 byQ = difference(cross(unit, p), scaled(bc.direction, curvature / bc.length));
         const Point3 byAc = scaled(ac.direction, -curvature / ac.length);
@@ -326,7 +337,7 @@ Measures measureCurvatures(std::span<const Point3> points, std::span<const Index
         gradient.add(c, sum(byQ, byAc));
     }
     result.derivatives = tableOf(gradients, points.size());
-    return result;
+    return finite(std::move(result));
 }
 
 Measures measurePlanarity(std::span<const Point3> points, std::span<const Index> some) {

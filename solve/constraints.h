@@ -29,6 +29,8 @@ struct Measures {
     stencils::StencilTable<double> derivatives;  ///< one row for each value
 };
 
+// All measures throw Error if a value is not finite, as for points whose products overflow.
+
 /// Measures the distance of each pair of points.
 /// \throws Error naming a pair of points at the same place, where the distance has no derivative
 ESPALIER_API Measures measureDistances(std::span<const Point3> points,
@@ -48,7 +50,8 @@ struct Line {
 ///         belong to the corners of one triangle and sum to 1, so that the places follow the
 ///         surface when its points move
 /// \throws ArgumentError for a direction of 0; Error naming a line that does not meet the surface
-///         in both directions, or whose point is on the surface
+///         in both directions, or whose point is on a triangle
+///         that the line is not parallel to
 /// \cost O(lines · triangles), in parallel
 ESPALIER_API stencils::StencilTable<double> findCrossings(
     std::span<const Point3> points, std::span<const std::array<Index, 3>> triangles,

@@ -102,10 +102,11 @@ inline double floorOf(double exact, double longer, double rounding) {
 
 /// Returns the value that a determinant must exceed to count as positive: its change when edges
 /// become longer by their uncertainty, plus 6e-14 of the product of the lengths, which is 512 units
-/// of rounding. This covers all rounding of the coefficients: 3 units for the edges, 12 for the
-/// determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each edge of the
-/// tetrahedra of a type-n cell, for n up to about 50. For a patch: 12 for determinants, 84 for sums
-/// of up to 36 and 48 of them, and 240 for halvings, 8 for each.
+/// of rounding. The units cover all rounding of the coefficients:
+///
+/// - 3 for edges, 12 for determinants of edges, 24 for their sums, and 60 for halvings;
+/// - in a type-n cell 2n + 2 for each edge of its tetrahedra, for n up to about 50;
+/// - in a patch 12 for determinants, 84 for sums of 36 and 48 of them, and 240 for halvings.
 ///
 /// \param roundings how many times this rounding is allowed for
 inline double determinantFloor(const PieceSize& size, double roundings = 1) {

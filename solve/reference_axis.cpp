@@ -23,10 +23,6 @@ using stencils::StencilTable;
 // square is 0 beside anything, and the products with it are not denormal.
 constexpr double kStep = 1e-100;
 
-bool isFinite(const Point3& point) {
-    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
 void requireVector(const char* field, const Point3& vector) {
     if (!isFinite(vector) || !(length(vector) > 0))
         throw ArgumentError("", field, textOf(vector), "a finite vector other than 0");
@@ -46,8 +42,19 @@ NodeValues<Number> valuesAt(std::span<const double> values, Index node) {
     return result;
 }
 
-AxisVector<Complex> complexOf(const Point3& point) {
+template <class Number>
+AxisVector<Number> numbersOf(const Point3& point) {
     return {point[0], point[1], point[2]};
+}
+
+/// Returns what determines the position of a vertex that is linked to a segment of an axis.
+template <class Number>
+AxisPart<Number> partOf(const Point3& vertex, std::span<const Point3> nodes, Index segment,
+                        double fraction, std::span<const double> values) {
+    return {numbersOf<Number>(vertex),
+            {numbersOf<Number>(nodes[segment]), numbersOf<Number>(nodes[segment + 1])},
+            {valuesAt<Number>(values, segment), valuesAt<Number>(values, segment + 1)},
+            fraction};
 }
 
 /// Calls use(index, derivative of the position) for each of some numbers of a part, which the
@@ -192,7 +199,8 @@ void ReferenceAxis::check(std::span<const double> values) const {
             throw Error(concat("values[", i, "] is ", values[i], "; expected a finite number"));
     for (Index i = 1; i < nodeCount(); ++i) {
         const auto a = valuesAt<double>(values, i - 1), b = valuesAt<double>(values, i);
-        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2])
+        // As for nodes at rest: a distance that underflows has no direction either.
+        if (!(length(Point3{b[0] - a[0], b[1] - a[1], b[2] - a[2]}) > 0))
             throw Error(concat("the values move nodes ", i - 1, " and ", i,
                                " to the same place, where the axis has no direction"));
     }
@@ -204,12 +212,9 @@ std::vector<Point3> ReferenceAxis::positions(std::span<const double> values) con
     result.reserve(vertices_.size());
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
         const auto& [segment, fraction] = links_[v];
-        result.push_back(axisPosition<double>(
-            {order_, follows_, frame_},
-            {vertices_[v],
-             {nodes_[segment], nodes_[segment + 1]},
-             {valuesAt<double>(values, segment), valuesAt<double>(values, segment + 1)},
-             fraction}));
+        result.push_back(
+            axisPosition<double>({order_, follows_, frame_},
+                                 partOf<double>(vertices_[v], nodes_, segment, fraction, values)));
     }
     return result;
 }
@@ -218,11 +223,7 @@ StencilTable<double> ReferenceAxis::matrix(std::span<const double> values) const
     check(values);
     return tableOf(vertexCount(), count(), [&](Index v) {
         const Link link = links_[v];
-        AxisPart<Complex> part = {
-            complexOf(vertices_[v]),
-            {complexOf(nodes_[link.segment]), complexOf(nodes_[link.segment + 1])},
-            {valuesAt<Complex>(values, link.segment), valuesAt<Complex>(values, link.segment + 1)},
-            link.fraction};
+        auto part = partOf<Complex>(vertices_[v], nodes_, link.segment, link.fraction, values);
         std::vector<Column> columns;
         for (Index end = 0; end < 2; ++end)
             differentiate(
@@ -239,11 +240,7 @@ StencilTable<double> ReferenceAxis::restMatrix(std::span<const double> values) c
     check(values);
     return tableOf(vertexCount(), 3 * (vertexCount() + nodeCount()), [&](Index v) {
         const Link link = links_[v];
-        AxisPart<Complex> part = {
-            complexOf(vertices_[v]),
-            {complexOf(nodes_[link.segment]), complexOf(nodes_[link.segment + 1])},
-            {valuesAt<Complex>(values, link.segment), valuesAt<Complex>(values, link.segment + 1)},
-            link.fraction};
+        auto part = partOf<Complex>(vertices_[v], nodes_, link.segment, link.fraction, values);
         std::vector<Column> columns;
         const auto add = [&](Index point, AxisVector<Complex>& numbers) {
             differentiate({order_, follows_, frame_}, part, numbers,

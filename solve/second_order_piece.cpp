@@ -38,8 +38,9 @@ class Places {
 public:
     explicit Places(std::span<const CornerBits> places) : places_(places) {}
 
-    /// Returns the weights of the points in a corner, the middle of an edge, of a quadrilateral or
-    /// of the cell. If the cell has no such point, these are the weights of serendipity cells.
+    /// Returns the weights of the points in a place: a corner, or the middle of an edge, of a
+    /// quadrilateral or of the cell. A cell that has no point there gets the weights of
+    /// serendipity cells.
     Row at(CornerBits place) const {
         Row row{};
         if (const auto found = std::ranges::find(places_, place); found != places_.end()) {

@@ -20,9 +20,10 @@ namespace espalier::solve {
 /// Returns the map of a cell of second order: of the quadratic polynomials over the tetrahedron, of
 /// triquadratic ones over the hexahedron, of products of both over the wedge. Over the pyramid, the
 /// map has the terms xⁱ yʲ (1 − z)^max(i, j) P(z) in the coordinates of its collapsed cube, of
-/// degree 2 in all, as in Gmsh. Without points in the middle of quadrilaterals and of the cell, the
-/// map is the serendipity one: such a point is ½ of the sum of the edges' middles less ¼ of the sum
-/// of the corners (¼ and ¼ in the middle of the hexahedron).
+/// degree 2 in all, as in Gmsh. A cell without points in the middle of quadrilaterals or of
+/// the cell has the serendipity map. It puts such a point at ½ of the sum of the middles of the
+/// edges less ¼ of the sum of the corners; in the middle of a hexahedron, at ¼ of the first sum
+/// less ¼ of the second.
 ///
 /// \param points of a cell of second order, in the order of far::cellPoints()
 /// \cite Bergot, Cohen & Duruflé 2010, Higher-order finite elements for hybrid meshes using new

@@ -3,19 +3,14 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
+#include <espalier/base/vector3.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace espalier::io {
-namespace {
-
-bool isFinite(const Point3& point) {
-    return std::ranges::all_of(point, [](double x) { return std::isfinite(x); });
-}
-
-}  // namespace
+namespace {}  // namespace
 
 HeldPoints::HeldPoints(std::span<Point3> points) {
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -254,5 +254,14 @@ TEST(Constraints, DerivativesReachTheLattice) {
                    byVariables(vertices, jacobian));
 }
 
+TEST(Constraints, MeasuresThatAreNotFiniteAreRefused) {
+    std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5}};
+    const std::vector<Index> line = {0, 1, 2}, all = {0, 1, 2, 3};
+    for (Point3& point : points) point = scaled(point, 1e-170);
+    EXPECT_REFUSED(Error, "measure 0 is not finite", measureCurvatures(points, line));
+    for (Point3& point : points) point = scaled(scaled(point, 1e170), 1e200);
+    EXPECT_REFUSED(Error, "measure 0 is not finite", measurePlanarity(points, all));
+}
+
 }  // namespace
 }  // namespace espalier::solve
