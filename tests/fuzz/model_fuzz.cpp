@@ -178,7 +178,7 @@ void runMesh(const std::string& name, std::string_view bytes) {
     if (!read) return;
     const auto pointCount = static_cast<Index>((*read)->positions().size());
     if (const auto volume = readResult(name, [&] { return (*read)->readCells(); })) {
-        const far::VolumeMesh& mesh = volume->mesh;
+        const far::VolumeMesh& mesh = volume->volume;
         require(mesh.cellCount() == 0 || mesh.pointCount() == pointCount,
                 "a volume has the points of its model");
         for (Index face = 0; face < mesh.faceCount(); ++face)
