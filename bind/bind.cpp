@@ -10,6 +10,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -18,58 +20,80 @@
 namespace espalier::bind {
 namespace {
 
-/// Binds points to each kind of target, without their weights. The points and the lattice at rest
-/// are added later.
+embed::TensorLattice tensorLattice(const embed::RestLattice& lattice, embed::Basis basis) {
+    // Without the marks the deformation would be another one than the lattice asks for.
+    if (!lattice.base.options().marks.empty())
+        throw Error(
+            "the lattice has marks (sharpness of edges or vertices), which only subdivision "
+            "applies; bind with subdivision, or remove the marks");
+    return {lattice.base.level(0).complex, lattice.positions, basis};
+}
+
+/// The points that are sought: those with a weight above 0.
+struct SoughtPoints {
+    /// \throws Error, ArgumentError as bindPoints() for the weights and the falloff
+    SoughtPoints(std::span<const Point3> all, const BindOptions& options);
+    SoughtPoints(const SoughtPoints&) = delete;
+    SoughtPoints& operator=(const SoughtPoints&) = delete;
+
+    Index numberOf(Index point) const { return areAll ? point : numbers[point]; }
+
+    bool areAll = true;          ///< true if all points are sought
+    std::vector<Index> numbers;  ///< if not, their numbers in the model, ascending
+    std::vector<Point3> chosen;  ///< and the points
+    std::span<const Point3> points;
+    embed::EmbeddingOptions embedding;  ///< in place of BindOptions::embedding
+    bool refusesOutside;
+};
+
+/// Calls f(target) with the options of the library that binds to each kind of target.
+struct TargetOptions {
+    const BindOptions& options;
+    const embed::EmbeddingOptions& embedding;
+
+    embed::BindingOptions of(int level) const {
+        return {level, embedding, options.gradients, options.progress};
+    }
+    limit::LimitOptions of(const Limit& target) const {
+        return {.embedding = embedding,
+                .tolerance = target.tolerance,
+                .gradients = options.gradients,
+                .progress = options.progress};
+    }
+};
+
+/// Binds points to each kind of target, without their weights.
 struct Binder {
     const embed::RestLattice& lattice;
     std::span<const Point3> points;
-    const BindOptions& options;
-    const embed::EmbeddingOptions& embedding;   ///< in place of options.embedding
-    std::vector<embed::CarriedPoint>& carried;  ///< gets the points outside that have a place
+    TargetOptions chosen;
 
-    Binding operator()(const Level& target) const {
-        Binding binding = made(embed::bindPoints(lattice, points, optionsAt(target.level)));
-        if (!target.factors) return binding;
-        auto factors =
-            embed::bindFactored(lattice, points, {.level = target.level, .embedding = embedding})
-                .table;
-        // The two searches may disagree at the tolerance. A point that stays in place by D does so
-        // by the factors.
-        factors.points = embed::emptyRows(std::move(factors.points), binding.table.emptyRows());
-        binding.factors = std::move(factors);
-        return binding;
+    embed::BoundRows<> operator()(const Level& target) const {
+        return embed::bindPoints(lattice, points, chosen.of(target.level));
     }
-
-    Binding operator()(const Limit& target) const {
-        return made(limit::bindLimit(lattice, points,
-                                     {.embedding = embedding,
-                                      .tolerance = target.tolerance,
-                                      .gradients = options.gradients,
-                                      .progress = options.progress}));
+    embed::BoundRows<> operator()(const Limit& target) const {
+        return limit::bindLimit(lattice, points, chosen.of(target));
     }
-
-    Binding operator()(embed::Basis basis) const {
-        // Without the marks the deformation would be another one than the lattice asks for.
-        if (!lattice.base.options().marks.empty())
-            throw Error(
-                "the lattice has marks (sharpness of edges or vertices), which only subdivision "
-                "applies; bind with subdivision, or remove the marks");
-        const embed::TensorLattice tensor(lattice.base.level(0).complex, lattice.positions, basis);
-        return made(embed::bindPoints(tensor, points, optionsAt(1)));
+    embed::BoundRows<> operator()(embed::Basis basis) const {
+        return embed::bindPoints(tensorLattice(lattice, basis), points, chosen.of(1));
     }
+};
 
-private:
-    embed::BindingOptions optionsAt(int level) const {
-        return {level, embedding, options.gradients, options.progress};
+/// The same, group by group.
+struct GroupBinder {
+    const embed::RestLattice& lattice;
+    std::span<const Point3> points;
+    TargetOptions chosen;
+    embed::RowSink sink;
+
+    void operator()(const Level& target) const {
+        embed::bindInGroups(lattice, points, chosen.of(target.level), sink);
     }
-
-    Binding made(embed::BoundRows<> bound) const {
-        carried = std::move(bound.carried);
-        Binding binding{std::move(bound.table)};
-        binding.statuses = std::move(bound.statuses);
-        binding.largestResidual = bound.largestResidual;
-        binding.gradients = std::move(bound.gradients);
-        return binding;
+    void operator()(const Limit& target) const {
+        limit::bindLimitInGroups(lattice, points, chosen.of(target), sink);
+    }
+    void operator()(embed::Basis basis) const {
+        embed::bindInGroups(tensorLattice(lattice, basis), points, chosen.of(1), sink);
     }
 };
 
@@ -107,44 +131,93 @@ embed::EmbeddingOptions embeddingOf(const BindOptions& options) {
     return embedding;
 }
 
-/// Returns the weight of each point without the falloff.
-/// \param numbers the points that are bound
-std::vector<PointWeight> weightsOf(const PointWeights& chosen, std::span<const Index> numbers) {
-    std::vector<PointWeight> weights(numbers.size());
-    const auto& [values, slopes] = chosen;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        if (!values.empty()) weights[i].value = values[numbers[i]];
-        if (!slopes.empty()) weights[i].slope = slopes[numbers[i]];
+SoughtPoints::SoughtPoints(std::span<const Point3> all, const BindOptions& options)
+    : points(all), embedding(embeddingOf(options)) {
+    checkWeights(options.weights, all.size());
+    const auto& values = options.weights.values;
+    areAll = std::ranges::all_of(values, [](double value) { return value > 0; });
+    if (!areAll) {
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (values[i] > 0) numbers.push_back(static_cast<Index>(i));
+        chosen = embed::chosenPoints(all, numbers);
+        points = chosen;
     }
-    return weights;
+    // The numbers of points in an error would be their numbers among those that are sought.
+    refusesOutside = embedding.outside == embed::OutsidePolicy::Error;
+    if (!areAll) embedding = embed::withoutRefusal(embedding);
 }
 
-/// Multiplies weights by the falloff.
-/// \param carried the points outside that have a place
-void addFalloff(double radius, std::span<const Point3> points, std::span<const Point3> rest,
-                std::span<const embed::CarriedPoint> carried,
-                std::span<const embed::PointStatus> statuses, std::vector<PointWeight>& weights) {
-    std::vector<bool> isCarried(points.size());
-    for (const auto& [point, away] : carried) {
-        isCarried[point] = true;
-        const PointWeight fall = falloffWeight(away, radius);
-        auto& [value, slope] = weights[point];
-        for (std::size_t c = 0; c < 3; ++c)
-            slope[c] = fall.value * slope[c] + value * fall.slope[c];
-        value *= fall.value;
+/// The weights of points: the chosen ones, times the falloff.
+class Weights {
+public:
+    /// \param rest the lattice at rest; all levels are in its box
+    Weights(const BindOptions& options, std::span<const Point3> rest)
+        : chosen_(options.weights), radius_(options.falloff) {
+        if (radius_ > 0)
+            for (const Point3& vertex : rest) box_.extend(Eigen::Vector3d(vertex.data()));
     }
-    // Points far away have no place. All levels are in the box of the lattice.
-    Eigen::AlignedBox3d box;
-    for (const Point3& vertex : rest) box.extend(Eigen::Vector3d(vertex.data()));
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (statuses[i] == embed::PointStatus::Outside && !isCarried[i] &&
-            box.exteriorDistance(Eigen::Vector3d(points[i].data())) >= radius)
-            weights[i] = {0, {}};
+
+    bool areNeeded() const { return !chosen_.values.empty() || radius_ > 0; }
+
+    /// Returns the weights of some points.
+    /// \param numbers the numbers of the points in the model
+    /// \param rows the rows of the points
+    std::vector<PointWeight> of(std::span<const Index> numbers, std::span<const Point3> points,
+                                const WeightedRows& rows,
+                                std::span<const embed::CarriedPoint> carried) const {
+        std::vector<PointWeight> weights(numbers.size());
+        const auto& [values, slopes] = chosen_;
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            if (!values.empty()) weights[i].value = values[numbers[i]];
+            if (!slopes.empty()) weights[i].slope = slopes[numbers[i]];
+        }
+        if (radius_ > 0) addFalloff(points, rows.statuses, carried, weights);
+        return weights;
+    }
+
+private:
+    void addFalloff(std::span<const Point3> points, std::span<const embed::PointStatus> statuses,
+                    std::span<const embed::CarriedPoint> carried,
+                    std::vector<PointWeight>& weights) const {
+        std::vector<bool> isCarried(points.size());
+        for (const auto& [point, away] : carried) {
+            isCarried[point] = true;
+            const PointWeight fall = falloffWeight(away, radius_);
+            auto& [value, slope] = weights[point];
+            for (std::size_t c = 0; c < 3; ++c)
+                slope[c] = fall.value * slope[c] + value * fall.slope[c];
+            value *= fall.value;
+        }
+        // Points far away have no place.
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (statuses[i] == embed::PointStatus::Outside && !isCarried[i] &&
+                box_.exteriorDistance(Eigen::Vector3d(points[i].data())) >= radius_)
+                weights[i] = {0, {}};
+    }
+
+    const PointWeights& chosen_;
+    double radius_;
+    Eigen::AlignedBox3d box_;
+};
+
+/// Moves the parts that both have, and leaves `carried`.
+WeightedRows rowsOf(embed::BoundRows<>& bound) {
+    return {std::move(bound.table),
+            std::move(bound.gradients),
+            {},
+            std::move(bound.statuses),
+            bound.largestResidual};
+}
+
+std::vector<Index> numbersFrom0(std::size_t count) {
+    std::vector<Index> numbers(count);
+    std::iota(numbers.begin(), numbers.end(), Index{0});
+    return numbers;
 }
 
 }  // namespace
 
-Index Binding::count(embed::PointStatus status) const {
+Index WeightedRows::count(embed::PointStatus status) const {
     return static_cast<Index>(std::ranges::count(statuses, status));
 }
 
@@ -200,44 +273,117 @@ embed::GradientTables gradientTables(const Binding& binding) {
     return tables;
 }
 
+void BindingStatistics::add(const BindingStatistics& others) {
+    for (std::size_t i = 0; i < statuses.size(); ++i) statuses[i] += others.statuses[i];
+    rowCount += others.rowCount;
+    columnCount = others.columnCount;
+    entryCount += others.entryCount;
+    emptyRowCount += others.emptyRowCount;
+    emptyOutsideCount += others.emptyOutsideCount;
+    hasGradients = hasGradients || others.hasGradients;
+    identityCount += others.identityCount;
+    largestResidual = std::max(largestResidual, others.largestResidual);
+}
+
+BindingStatistics statisticsOf(const WeightedRows& rows) {
+    BindingStatistics result;
+    for (const embed::PointStatus status : rows.statuses)
+        ++result.statuses[static_cast<std::size_t>(status)];
+    result.rowCount = rows.table.rowCount();
+    result.columnCount = rows.table.columnCount();
+    result.entryCount = rows.table.entryCount();
+    for (const Index point : rows.table.emptyRows()) {
+        ++result.emptyRowCount;
+        if (rows.statuses[point] == embed::PointStatus::Outside) ++result.emptyOutsideCount;
+    }
+    result.hasGradients = rows.gradients.has_value();
+    if (rows.gradients) result.identityCount = rows.gradients->identityCount(result.rowCount);
+    result.largestResidual = rows.largestResidual;
+    return result;
+}
+
 Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
                    const Target& target, const BindOptions& options) {
     // Gradients have three rows for each point.
     if (options.gradients && std::ssize(points) > kMaxIndex / 3)
         throw Error(
             concat("got ", points.size(), " points; the most with gradients is ", kMaxIndex / 3));
-    checkWeights(options.weights, points.size());
-    const auto& values = options.weights.values;
-    std::vector<Index> numbers;  // The points with a weight above 0.
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (values.empty() || values[i] > 0) numbers.push_back(static_cast<Index>(i));
-    const bool areAllBound = numbers.size() == points.size();
-    embed::EmbeddingOptions embedding = embeddingOf(options);
-    // The numbers of points in an error would be their numbers among those that are bound.
-    const bool refusesOutside = embedding.outside == embed::OutsidePolicy::Error;
-    if (!areAllBound && refusesOutside) embedding.outside = embed::OutsidePolicy::Keep;
-    std::vector<Point3> chosen;
-    if (!areAllBound) chosen = embed::chosenPoints(points, numbers);
-    std::vector<embed::CarriedPoint> carried;
-    const std::span<const Point3> sought = areAllBound ? points : std::span<const Point3>(chosen);
-    Binding binding = std::visit(Binder{lattice, sought, options, embedding, carried}, target);
-    if (!values.empty() || options.falloff > 0) {
-        auto weights = weightsOf(options.weights, numbers);
-        if (options.falloff > 0)
-            addFalloff(options.falloff, sought, lattice.positions, carried, binding.statuses,
-                       weights);
-        applyWeights(std::move(weights), binding);
+    const SoughtPoints sought(points, options);
+    embed::BoundRows<> bound =
+        std::visit(Binder{lattice, sought.points, {options, sought.embedding}}, target);
+    Binding binding{rowsOf(bound)};
+    if (const auto* level = std::get_if<Level>(&target); level != nullptr && level->factors) {
+        auto factors = embed::bindFactored(lattice, sought.points,
+                                           {.level = level->level, .embedding = sought.embedding})
+                           .table;
+        // The two searches may disagree at the tolerance. A point that stays in place by D does so
+        // by the factors.
+        factors.points = embed::emptyRows(std::move(factors.points), binding.table.emptyRows());
+        binding.factors = std::move(factors);
     }
-    if (!areAllBound) {
-        for (std::size_t i = 0; refusesOutside && i < numbers.size(); ++i)
+    const Weights weights(options, lattice.positions);
+    if (weights.areNeeded()) {
+        auto ofPoints = weights.of(sought.areAll ? numbersFrom0(points.size()) : sought.numbers,
+                                   sought.points, binding, bound.carried);
+        if (binding.factors) binding.factors->points = weighted(binding.factors->points, ofPoints);
+        applyWeights(std::move(ofPoints), binding);
+    }
+    if (!sought.areAll) {
+        for (std::size_t i = 0; sought.refusesOutside && i < sought.numbers.size(); ++i)
             if (binding.statuses[i] != embed::PointStatus::Inside)
-                embed::refusePoint(numbers[i], chosen[i], binding.statuses[i]);
-        addKeptPoints(numbers, static_cast<Index>(points.size()), binding);
+                embed::refusePoint(sought.numbers[i], sought.chosen[i], binding.statuses[i]);
+        addKeptPoints(sought.numbers, static_cast<Index>(points.size()), binding);
     }
     binding.topologyHash = far::topologyHash(lattice.base.level(0).complex);
     binding.points.assign(points.begin(), points.end());
     binding.rest.assign(lattice.positions.begin(), lattice.positions.end());
     return binding;
+}
+
+BindingStatistics bindInGroups(const embed::RestLattice& lattice, std::span<const Point3> points,
+                               const Target& target, const BindOptions& options, GroupSink sink) {
+    const SoughtPoints sought(points, options);
+    const Weights weights(options, lattice.positions);
+    BindingStatistics statistics;
+    std::mutex mutex;
+    constexpr Index kNone = kMaxIndex;
+    Index firstRefused = kNone;
+    embed::PointStatus refusedStatus = {};
+    const auto addWeights = [&](std::span<const Index> numbers, embed::BoundRows<> bound) {
+        std::vector<Index> inModel;
+        for (const Index number : numbers) inModel.push_back(sought.numberOf(number));
+        WeightedRows rows = rowsOf(bound);
+        if (weights.areNeeded())
+            applyWeights(
+                weights.of(inModel, embed::chosenPoints(points, inModel), rows, bound.carried),
+                rows);
+        {
+            const std::lock_guard lock(mutex);
+            statistics.add(statisticsOf(rows));
+            for (std::size_t i = 0; sought.refusesOutside && i < inModel.size(); ++i)
+                if (rows.statuses[i] != embed::PointStatus::Inside && inModel[i] < firstRefused) {
+                    firstRefused = inModel[i];
+                    refusedStatus = rows.statuses[i];
+                }
+        }
+        sink(inModel, std::move(rows));
+    };
+    std::visit(GroupBinder{lattice, sought.points, {options, sought.embedding}, addWeights},
+               target);
+    if (firstRefused != kNone)
+        embed::refusePoint(firstRefused, points[firstRefused], refusedStatus);
+    // The points that were not sought.
+    BindingStatistics others;
+    others.rowCount = others.emptyRowCount =
+        static_cast<Index>(std::ssize(points) - std::ssize(sought.points));
+    others.statuses[static_cast<std::size_t>(embed::PointStatus::NotBound)] = others.rowCount;
+    others.columnCount = lattice.base.level(0).complex.count(0);
+    if (options.gradients) {
+        others.hasGradients = true;
+        others.identityCount = others.rowCount;
+    }
+    statistics.add(others);
+    return statistics;
 }
 
 }  // namespace espalier::bind

@@ -14,29 +14,6 @@ namespace {
 
 using stencils::StencilTable;
 
-/// Returns the rows, each times the weight of its point, and without entries where it is 0.
-StencilTable<double> weighted(const StencilTable<double>& table,
-                              std::span<const PointWeight> weights) {
-    Array<Offset> offsets(Offset{table.rowCount()} + 1);
-    offsets[0] = 0;
-    for (Index row = 0; row < table.rowCount(); ++row)
-        offsets[row + 1] = weights[row].value > 0 ? std::ssize(table.columns(row)) : 0;
-    Array<Index> columns;
-    Array<double> products;
-    stencils::allocateEntries(offsets, columns, products);
-    parallelFor(table.rowCount(), stencils::kRowsPerChunk, [&](Offset first, Offset last) {
-        for (auto row = static_cast<Index>(first); row < last; ++row) {
-            const double weight = weights[row].value;
-            if (!(weight > 0)) continue;
-            std::ranges::copy(table.columns(row), columns.begin() + offsets[row]);
-            auto next = products.begin() + offsets[row];
-            for (const double each : table.weights(row)) *next++ = weight * each;
-        }
-    });
-    return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
-            std::move(products)};
-}
-
 /// Returns the rows with empty ones between them.
 StencilTable<double> spread(const StencilTable<double>& table, std::span<const Index> numbers,
                             Index pointCount) {
@@ -60,17 +37,38 @@ std::vector<T> spread(const std::vector<T>& entries, std::span<const Index> numb
 
 }  // namespace
 
-void applyWeights(std::vector<PointWeight> weights, Binding& binding) {
+StencilTable<double> weighted(const StencilTable<double>& table,
+                              std::span<const PointWeight> weights) {
+    Array<Offset> offsets(Offset{table.rowCount()} + 1);
+    offsets[0] = 0;
+    for (Index row = 0; row < table.rowCount(); ++row)
+        offsets[row + 1] = weights[row].value > 0 ? std::ssize(table.columns(row)) : 0;
+    Array<Index> columns;
+    Array<double> products;
+    stencils::allocateEntries(offsets, columns, products);
+    parallelFor(table.rowCount(), stencils::kRowsPerChunk, [&](Offset first, Offset last) {
+        for (auto row = static_cast<Index>(first); row < last; ++row) {
+            const double weight = weights[row].value;
+            if (!(weight > 0)) continue;
+            std::ranges::copy(table.columns(row), columns.begin() + offsets[row]);
+            auto next = products.begin() + offsets[row];
+            for (const double each : table.weights(row)) *next++ = weight * each;
+        }
+    });
+    return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
+            std::move(products)};
+}
+
+void applyWeights(std::vector<PointWeight> weights, WeightedRows& rows) {
     std::vector<Index> kept;
     for (std::size_t i = 0; i < weights.size(); ++i)
         if (!(weights[i].value > 0)) kept.push_back(static_cast<Index>(i));
-    for (const Index point : kept) binding.statuses[point] = embed::PointStatus::NotBound;
-    binding.table = weighted(binding.table, weights);
-    if (binding.factors) binding.factors->points = weighted(binding.factors->points, weights);
-    if (!binding.gradients) return;
-    binding.gradients = embed::withoutPoints(std::move(*binding.gradients), kept);
+    for (const Index point : kept) rows.statuses[point] = embed::PointStatus::NotBound;
+    rows.table = weighted(rows.table, weights);
+    if (!rows.gradients) return;
+    rows.gradients = embed::withoutPoints(std::move(*rows.gradients), kept);
     const auto isFull = [](const PointWeight& weight) { return weight == PointWeight(); };
-    if (!std::ranges::all_of(weights, isFull)) binding.weights = std::move(weights);
+    if (!std::ranges::all_of(weights, isFull)) rows.weights = std::move(weights);
 }
 
 void addKeptPoints(std::span<const Index> numbers, Index pointCount, Binding& binding) {

@@ -106,7 +106,7 @@ double shareOfTriad(const BenchReport& bench, const ApplyTiming& timing) {
 }
 
 double millionPointsPerSecond(const RunReport& run, const ApplyTiming& timing) {
-    return run.binding.table.rowCount() / timing.seconds / 1e6;
+    return run.binding.rowCount / timing.seconds / 1e6;
 }
 
 OrderedJson toJson(const RunReport& run, const BenchReport& bench) {
@@ -198,7 +198,7 @@ void runBench(const BenchOptions& options) {
         tables,
         timeApplying(tables, lattice.positions, threadCounts, options.seconds, progress),
         {}};
-    const RunReport report{bound, stages, peakMemory()};
+    const RunReport report = reportOf(bound, stages);
     for (const int threads : threadCounts)
         bench.triad[threads] =
             progress.run("triad", [&] { return triadBytesPerSecond(threads, options.seconds); });

@@ -55,6 +55,40 @@ std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
     return [&stages, pointCount](Offset done) { stages.showProgress(done, pointCount); };
 }
 
+/// Returns the weights that the options ask for, in the stage "weighting"; none if they ask for the
+/// whole model.
+bind::PointWeights weightsOf(const BindOptions& options, const io::Model& model, Stages& stages,
+                             bool hasGradients) {
+    bind::PointWeights weights;
+    if (!options.part.isWhole())
+        weights = stages.run("weighting", [&] {
+            return io::weightsOf(options.model, model, options.part, hasGradients);
+        });
+    if (hasGradients && !options.common.quiet)
+        if (const std::string note = io::noteOnSlopes(options.model, model, weights); !note.empty())
+            printError(("note: " + note).c_str());
+    return weights;
+}
+
+/// Calls f(lattice, options of the library) in a stage. Errors in the lattice name its file.
+template <class F>
+auto runBinding(const BindOptions& options, std::size_t pointCount, const Lattice& lattice,
+                Stages& stages, bool hasGradients, bind::PointWeights weights, const char* stage,
+                F f) {
+    warnOfFoldsAtRest(options, lattice);
+    return stages.run(stage, [&] {
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        const bind::BindOptions chosen = {.embedding = options.common.embedding,
+                                          .gradients = hasGradients,
+                                          .weights = std::move(weights),
+                                          .falloff = options.common.falloff,
+                                          .progress = progressOf(stages, pointCount)};
+        const auto run = [&] { return f(embed::RestLattice{base, lattice.positions}, chosen); };
+        // A basis has demands on the lattice: the errors name its file.
+        return options.basis ? ofFile(options.rest, run) : run();
+    });
+}
+
 }  // namespace
 
 void addModelAndRest(CLI::App& command, BindOptions& options) {
@@ -128,42 +162,36 @@ void addPartOptions(CLI::App& command, io::ModelPart& part, CommonOptions& optio
 bind::Binding bindPoints(const BindOptions& options, std::span<const Point3> points,
                          const Lattice& lattice, Stages& stages, bool hasGradients,
                          bind::PointWeights weights) {
-    warnOfFoldsAtRest(options, lattice);
-    return stages.run("binding", [&] {
-        const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        const auto bind = [&] {
-            return bind::bindPoints({base, lattice.positions}, points, targetOf(options),
-                                    {.embedding = options.common.embedding,
-                                     .gradients = hasGradients,
-                                     .weights = std::move(weights),
-                                     .falloff = options.common.falloff,
-                                     .progress = progressOf(stages, points.size())});
-        };
-        // A basis has demands on the lattice: the errors name its file.
-        bind::Binding binding = options.basis ? ofFile(options.rest, bind) : bind();
-        stages.addBytes(bytesOf(binding.table));
-        return binding;
-    });
+    return runBinding(options, points.size(), lattice, stages, hasGradients, std::move(weights),
+                      "binding",
+                      [&](const embed::RestLattice& rest, const bind::BindOptions& chosen) {
+                          auto binding = bind::bindPoints(rest, points, targetOf(options), chosen);
+                          stages.addBytes(bytesOf(binding.table));
+                          return binding;
+                      });
 }
 
 bind::Binding bindModel(const BindOptions& options, const io::Model& model, const Lattice& lattice,
                         Stages& stages, bool hasGradients) {
-    bind::PointWeights weights;
-    if (!options.part.isWhole())
-        weights = stages.run("weighting", [&] {
-            return io::weightsOf(options.model, model, options.part, hasGradients);
-        });
-    if (hasGradients && !options.common.quiet)
-        if (const std::string note = io::noteOnSlopes(options.model, model, weights); !note.empty())
-            printError(("note: " + note).c_str());
     return bindPoints(options, model.positions(), lattice, stages, hasGradients,
-                      std::move(weights));
+                      weightsOf(options, model, stages, hasGradients));
 }
 
-void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options) {
+osd::DeformedPoints deformModel(const BindOptions& options, const io::Model& model,
+                                const Lattice& lattice, std::span<const std::vector<Point3>> poses,
+                                Stages& stages, bool hasGradients) {
+    const std::span<const Point3> points = model.positions();
+    return runBinding(options, points.size(), lattice, stages, hasGradients,
+                      weightsOf(options, model, stages, hasGradients), "deforming",
+                      [&](const embed::RestLattice& rest, const bind::BindOptions& chosen) {
+                          stages.addBytes(poses.size() * points.size_bytes());
+                          return osd::deformPoints(rest, points, targetOf(options), chosen, poses);
+                      });
+}
+
+void warnOfPointsOutside(const bind::BindingStatistics& binding, const CommonOptions& options) {
     using enum embed::PointStatus;
-    const Offset outside = std::ranges::count_if(
-        binding.table.emptyRows(), [&](Index point) { return binding.statuses[point] == Outside; });
+    const Offset outside = binding.emptyOutsideCount;
     if (options.quiet || outside == 0) return;
     if (options.falloff > 0 || options.embedding.outside == embed::OutsidePolicy::Nearest) {
         const bool isOne = outside == 1;
@@ -178,7 +206,7 @@ void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& opti
         return;
     }
     if (options.outside->count() > 0) return;
-    const Offset all = std::ssize(binding.statuses);
+    const Offset all = binding.rowCount;
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
                     "--outside nearest to move them with the nearest cell, --outside keep if they "

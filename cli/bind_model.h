@@ -3,6 +3,7 @@
 
 #include <espalier/bind/bind.h>
 #include <espalier/io/model_part.h>
+#include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -56,11 +57,17 @@ bind::Binding bindPoints(const BindOptions& options, std::span<const Point3> poi
 bind::Binding bindModel(const BindOptions& options, const io::Model& model, const Lattice& lattice,
                         Stages& stages, bool hasGradients = false);
 
+/// Deforms a model by a few poses, as bindModel() and osd::evaluateBinding() do, but makes no
+/// matrix, in the stage "deforming".
+osd::DeformedPoints deformModel(const BindOptions& options, const io::Model& model,
+                                const Lattice& lattice, std::span<const std::vector<Point3>> poses,
+                                Stages& stages, bool hasGradients);
+
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
 /// the parts of a model that move may come apart from them. Prints nothing if the command line has
 /// --quiet, or an --outside that keeps points in place by choice.
 /// Prints nothing either if the binding is from a file.
-void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options);
+void warnOfPointsOutside(const bind::BindingStatistics& binding, const CommonOptions& options);
 
 /// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
 /// of two tables. Returns nothing for the limit and for a basis other than subdivision.

@@ -59,26 +59,54 @@ void checkTarget(const io::Model& model, const DeformOptions& options) {
     if (!losses.empty()) printError(losses.c_str());
 }
 
-/// A model and its binding.
-struct Deformation {
-    const io::Model& model;
-    const bind::Binding& binding;
-    bool turnsDirections;  ///< normals, tangents and splats follow
+/// The points of a model in each pose, and how normals, tangents and splats turn: from a binding,
+/// or from deformModel().
+class PosedModel {
+public:
+    PosedModel(const bind::Binding& binding, const std::vector<std::vector<Point3>>& poses)
+        : binding_(&binding), poses_(poses) {}
+    PosedModel(osd::DeformedPoints& deformed, const std::vector<std::vector<Point3>>& poses)
+        : deformed_(&deformed), poses_(poses) {}
 
-    std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
+    std::size_t poseCount() const { return poses_.size(); }
+
+    /// \param isLast the points of this pose are not asked for again
+    std::vector<Point3> points(std::size_t pose, bool isLast, Stages& stages) const {
+        if (deformed_ != nullptr) {
+            auto& points = deformed_->poses[pose].points;
+            return isLast ? std::move(points) : points;
+        }
         return stages.run("applying", [&] {
-            auto points = osd::evaluateBinding(binding, pose);
-            stages.addBytes(bytesOf(binding.table) +
-                            (pose.size() + points.size()) * sizeof(Point3));
+            auto points = osd::evaluateBinding(*binding_, poses_[pose]);
+            stages.addBytes(bytesOf(binding_->table) +
+                            (poses_[pose].size() + points.size()) * sizeof(Point3));
             return points;
         });
     }
 
+    /// Returns the gradients of a pose, which are not asked for again.
+    std::vector<DeformationGradient> gradients(std::size_t pose) const {
+        if (deformed_ != nullptr) return std::move(deformed_->poses[pose].gradients);
+        return osd::evaluateGradients(*binding_, poses_[pose]);
+    }
+
+private:
+    const bind::Binding* binding_ = nullptr;  // One of these two is null.
+    osd::DeformedPoints* deformed_ = nullptr;
+    const std::vector<std::vector<Point3>>& poses_;
+};
+
+/// A model that is written in each pose.
+struct Deformation {
+    const io::Model& model;
+    PosedModel posed;
+    bool turnsDirections;  ///< normals, tangents and splats follow
+
     void write(const std::filesystem::path& path, const std::vector<Point3>& points,
-               const std::vector<Point3>& pose, Stages& stages) const {
+               std::size_t pose, Stages& stages) const {
         stages.run("writing", [&] {
             if (turnsDirections)
-                model.write(path, points, osd::evaluateGradients(binding, pose));
+                model.write(path, points, posed.gradients(pose));
             else
                 model.write(path, points);
             stages.addFile(path);
@@ -110,18 +138,18 @@ struct MeshReports {
 /// Applies all poses and writes the deformed models. Checks the cells of the model, if it has any.
 /// \param check may be null
 MeshReports writePoses(const Deformation& deformation, const DeformOptions& options,
-                       const std::vector<std::vector<Point3>>& poses,
                        const std::vector<std::filesystem::path>& paths, const MeshCheck* check,
                        Stages& stages) {
     // Refuse a pose before the first one is written.
-    for (std::size_t i = 0; check && options.mesh.noInverted && i < poses.size(); ++i) {
-        auto points = deformation.pointsAt(poses[i], stages);
+    const std::size_t poseCount = deformation.posed.poseCount();
+    for (std::size_t i = 0; check && options.mesh.noInverted && i < poseCount; ++i) {
+        auto points = deformation.posed.points(i, false, stages);
         check->requireValid(check->check(points, options.poses[i], options.mesh, stages),
                             options.poses[i], options.mesh);
     }
     MeshReports reports;
     const auto pointsOf = [&](std::size_t i) {
-        auto points = deformation.pointsAt(poses[i], stages);
+        auto points = deformation.posed.points(i, true, stages);
         if (!check) return points;
         orWarning(options, "cells not checked: ", [&] {
             const solve::MeshVerdict verdict =
@@ -135,21 +163,18 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
     if (isAnimation(options)) {
         // Frames are applied while the file is written; the stages cannot be nested.
         std::vector<std::vector<Point3>> frames;
-        for (std::size_t i = 0; i < poses.size(); ++i) frames.push_back(pointsOf(i));
+        for (std::size_t i = 0; i < poseCount; ++i) frames.push_back(pointsOf(i));
         stages.run("writing", [&] {
             io::Animation animation = {[&](std::size_t i) { return std::move(frames[i]); },
                                        frames.size(), options.framesPerSecond};
             if (deformation.turnsDirections)
-                animation.gradients = [&](std::size_t i) {
-                    return osd::evaluateGradients(deformation.binding, poses[i]);
-                };
+                animation.gradients = [&](std::size_t i) { return deformation.posed.gradients(i); };
             io::writeAnimation(options.output, deformation.model, animation);
             stages.addFile(options.output);
         });
         return reports;
     }
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        deformation.write(paths[i], pointsOf(i), poses[i], stages);
+    for (std::size_t i = 0; i < poseCount; ++i) deformation.write(paths[i], pointsOf(i), i, stages);
     return reports;
 }
 
@@ -183,9 +208,9 @@ bool asksForDirections(const io::Model& model, const DeformOptions& options) {
 }
 
 /// Returns true if they do.
-bool turnsDirections(const io::Model& model, const bind::Binding& binding,
+bool turnsDirections(const io::Model& model, const bind::BindingStatistics& binding,
                      const DeformOptions& options) {
-    return binding.gradients && asksForDirections(model, options);
+    return binding.hasGradients && asksForDirections(model, options);
 }
 
 /// Returns "5 normals, 5 tangents and 5 splats", without those of which there are none.
@@ -208,7 +233,7 @@ std::string listOf(const io::DirectionCounts& counts) {
 }
 
 /// Says what happens to the normals, tangents and splats of a model; nothing if it has none.
-std::string directionsReport(const io::Model& model, const bind::Binding& binding,
+std::string directionsReport(const io::Model& model, const bind::BindingStatistics& binding,
                              const DeformOptions& options) {
     const io::DirectionCounts counts = model.directions();
     if (counts.count() == 0) return {};
@@ -219,9 +244,9 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
                            isOne ? "is" : "are");
     const char* const stay = isOne ? "stays" : "stay";
     if (options.keepNormals) return fmt::format("{} {}, as --keep-normals asks", all, stay);
-    if (!binding.gradients)
+    if (!binding.hasGradients)
         return fmt::format("{} {}: the model was bound with --keep-normals", all, stay);
-    const auto kept = static_cast<Index>(binding.table.emptyRows().size());
+    const Index kept = binding.emptyRowCount;
     std::string exceptions;
     const auto except = [&](Index count, const char* where) {
         if (count > 0)
@@ -229,8 +254,7 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
                                       count == 1 ? "point" : "points", where);
     };
     except(kept, "left in place");
-    except(binding.gradients->identityCount(binding.table.rowCount()) - kept,
-           "where the lattice at rest is flat");
+    except(binding.identityCount - kept, "where the lattice at rest is flat");
     if (counts.keptHarmonics > 0)
         exceptions += fmt::format("; harmonics f_rest stay, because there are {}, not 9, 24 or 45",
                                   counts.keptHarmonics);
@@ -262,8 +286,14 @@ void runDeform(const DeformOptions& options) {
     checkTarget(*model, options);
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
-    const bind::Binding binding =
-        bindModel(options, *model, rest, stages, asksForDirections(*model, options));
+    const bool hasGradients = asksForDirections(*model, options);
+    // Few poses need no matrix.
+    std::optional<bind::Binding> binding;
+    osd::DeformedPoints deformed;
+    if (poses.size() > osd::kMostPosesWithoutTable)
+        binding = bindModel(options, *model, rest, stages, hasGradients);
+    else
+        deformed = deformModel(options, *model, rest, poses, stages, hasGradients);
     const bool isChecked = !options.common.quiet || options.mesh.isRequired();
     std::optional<MeshCheck> check;
     if (isChecked) {
@@ -273,11 +303,15 @@ void runDeform(const DeformOptions& options) {
                           options.poses.size(), stages);
         });
     }
+    RunReport report = binding ? reportOf(*binding, stages)
+                               : RunReport{deformed.statistics, std::nullopt, stages, peakMemory()};
+    report.directions = directionsReport(*model, report.binding, options);
     const MeshReports meshes =
-        writePoses({*model, binding, turnsDirections(*model, binding, options)}, options, poses,
-                   paths, requiredCheck(check, options), stages);
-    print({binding, stages, peakMemory(), directionsReport(*model, binding, options)}, meshes,
-          options);
+        writePoses({*model, binding ? PosedModel(*binding, poses) : PosedModel(deformed, poses),
+                    turnsDirections(*model, report.binding, options)},
+                   options, paths, requiredCheck(check, options), stages);
+    report.peakMemory = peakMemory();
+    print(report, meshes, options);
 }
 
 void runBind(const DeformOptions& options) {
@@ -309,8 +343,9 @@ void runBind(const DeformOptions& options) {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
     });
-    print({file.binding, stages, peakMemory(), directionsReport(*model, file.binding, options)},
-          options.report, options.common);
+    RunReport report = reportOf(file.binding, stages);
+    report.directions = directionsReport(*model, report.binding, options);
+    print(report, options.report, options.common);
 }
 
 void runApply(const DeformOptions& options) {
@@ -334,11 +369,13 @@ void runApply(const DeformOptions& options) {
     if (options.mesh.isRequired())
         check.emplace(options.model, *model, readCells(*model, stages), options.output,
                       options.poses.size(), stages);
-    const MeshReports meshes =
-        writePoses({*model, bound.binding, turnsDirections(*model, bound.binding, options)},
-                   options, poses, paths, requiredCheck(check, options), stages);
-    print({bound.binding, stages, peakMemory(), directionsReport(*model, bound.binding, options)},
-          meshes, options);
+    RunReport report = reportOf(bound.binding, stages);
+    report.directions = directionsReport(*model, report.binding, options);
+    const MeshReports meshes = writePoses({*model, PosedModel(bound.binding, poses),
+                                           turnsDirections(*model, report.binding, options)},
+                                          options, paths, requiredCheck(check, options), stages);
+    report.peakMemory = peakMemory();
+    print(report, meshes, options);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {

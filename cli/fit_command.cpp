@@ -448,7 +448,7 @@ void runFit(const FitCommandOptions& options) {
     if (!options.common.quiet)
         printFit(options, pointTargets, readCount - pointTargets.targets.size(),
                  keptByBoxOrLattice(options, held, lattice), result);
-    warnOfPointsOutside(rows.binding, options.common);
+    warnOfPointsOutside(bind::statisticsOf(rows.binding), options.common);
 }
 
 }  // namespace

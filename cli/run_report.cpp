@@ -56,8 +56,11 @@ void addReportOption(CLI::App& command, ReportFormat& format) {
                             "Format of the report on standard output");
 }
 
+RunReport reportOf(const bind::Binding& binding, const Stages& stages) {
+    return {bind::statisticsOf(binding), bytesOf(binding.table), stages, peakMemory()};
+}
+
 OrderedJson toJson(const RunReport& report) {
-    const auto& table = report.binding.table;
     OrderedJson json =
         OrderedJson::object();  // If memory runs out later, null would be left broken.
     json["points"] = {{"inside", report.binding.count(PointStatus::Inside)},
@@ -65,22 +68,22 @@ OrderedJson toJson(const RunReport& report) {
                       {"not_converged", report.binding.count(PointStatus::NotConverged)},
                       {"not_bound", report.binding.count(PointStatus::NotBound)}};
     json["largest_residual"] = report.binding.largestResidual;
-    json["kept"] = table.emptyRows().size();
+    json["kept"] = report.binding.emptyRowCount;
     json["directions"] =
         report.directions.empty() ? OrderedJson(nullptr) : OrderedJson(report.directions);
-    json["matrix"] = {{"rows", table.rowCount()},
-                      {"columns", table.columnCount()},
-                      {"entries", table.entryCount()},
-                      {"bytes", bytesOf(table)}};
+    json["matrix"] = {{"rows", report.binding.rowCount},
+                      {"columns", report.binding.columnCount},
+                      {"entries", report.binding.entryCount},
+                      {"bytes", numberOrNull(report.matrixBytes)}};
     json["stages"] = toJson(report.stages);
     json["peak_memory"] = report.peakMemory;
     return json;
 }
 
 void printText(const RunReport& report) {
-    const auto& table = report.binding.table;
-    const std::size_t kept = table.emptyRows().size();
-    const double bound = table.rowCount() - static_cast<double>(kept);
+    const bind::BindingStatistics& binding = report.binding;
+    const Index kept = binding.emptyRowCount;
+    const double bound = binding.rowCount - kept;
     const std::size_t width = labelWidth(report.stages);
     const auto printLine = [&](const char* label, const std::string& text) {
         fmt::print("{:<{}} {}\n", label, width, text);
@@ -102,9 +105,9 @@ void printText(const RunReport& report) {
     printLine("matrix",
               fmt::format("{} points × {} lattice vertices, {:.1f} weights for each point that "
                           "moves, {}",
-                          table.rowCount(), table.columnCount(),
-                          bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
-                          formatBytes(bytesOf(table))));
+                          binding.rowCount, binding.columnCount,
+                          bound > 0 ? static_cast<double>(binding.entryCount) / bound : 0,
+                          report.matrixBytes ? formatBytes(*report.matrixBytes) : "not stored"));
     for (const Stages::FinishedStage& stage : report.stages.finished()) printStage(stage, width);
     printLine("peak memory", formatBytes(report.peakMemory));
 }

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "bind_model.h"
@@ -35,7 +36,8 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     largest_residual  largest distance of a point from its place at rest
 ///     kept              number of points with empty rows, which no pose moves
 ///     directions        a sentence on normals, tangents and splats; null if the model has none
-///     matrix            {rows, columns, entries, bytes}
+///     matrix            {rows, columns, entries, bytes}; bytes is null if no matrix was made,
+///                       because the poses were applied while its rows were computed
 ///     stages            [{name, seconds, bytes, gigabytes_per_second}], in order
 ///     peak_memory       largest memory of the process, in bytes
 ///
@@ -43,6 +45,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///
 ///     reading, writing   bytes of the files; unknown for devices and pipes
 ///     binding            bytes of the matrix
+///     deforming          bytes of the deformed points; binds and applies without a matrix
 ///     binding in factors bytes of both factors
 ///     rounding to float, compiling float, compiling double
 ///                        bytes of the new table
@@ -51,11 +54,15 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     applying           for each pose, bytes of the matrix, the posed lattice vertices and the
 ///                        deformed points
 struct RunReport {
-    const bind::Binding& binding;
+    bind::BindingStatistics binding;
+    std::optional<std::size_t> matrixBytes;  ///< nothing if no matrix was made
     const Stages& stages;
     std::size_t peakMemory;
     std::string directions = {};  ///< what happens to normals, tangents and splats; may be empty
 };
+
+/// Returns the report of a binding.
+RunReport reportOf(const bind::Binding& binding, const Stages& stages);
 
 OrderedJson toJson(const RunReport& report);
 

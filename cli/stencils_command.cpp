@@ -87,7 +87,7 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
     const Lattice lattice = readLattice(options.lattice, stages);
     bind::Binding bound =
         bindModel(bindOptions(options), *model, lattice, stages, options.gradients);
-    warnOfPointsOutside(bound, options.common);
+    warnOfPointsOutside(bind::statisticsOf(bound), options.common);
     embed::GradientTables gradients;
     if (bound.gradients) gradients = bind::gradientTables(bound);
     const std::string rowsAndColumns = fmt::format(

@@ -68,65 +68,101 @@ Gradients gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>
 
 /// Completes the statuses: a point inside without a row is NotConverged, because its place has
 /// unbounded weights (kMaxRowSum).
-/// \throws Error under OutsidePolicy::Error if a point is not inside
 template <class Table>
-void completeStatuses(std::span<const Point3> points, OutsidePolicy outside,
-                      BoundRows<Table>& model) {
-    for (const Index i : pointRows(model.table).emptyRows())
-        if (model.statuses[i] == PointStatus::Inside) model.statuses[i] = PointStatus::NotConverged;
-    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
+void markWithoutRows(BoundRows<Table>& rows) {
+    for (const Index i : pointRows(rows.table).emptyRows())
+        if (rows.statuses[i] == PointStatus::Inside) rows.statuses[i] = PointStatus::NotConverged;
 }
 
-/// Binds points in parallel, group by group; the points of a group are near each other.
+/// The numbers of some points among all, and where they come from.
+struct PointGroup {
+    Offset group = 0;               ///< the number of the group, from 0
+    std::span<const Index> points;  ///< the numbers of its points
+};
+
+/// Calls f(PointGroup) in parallel for groups of points that are near each other.
+/// \param progress as BindingOptions::progress; may be empty
+template <class F>
+void forEachGroup(std::span<const Point3> points, Offset groupSize,
+                  const std::function<void(Offset)>& progress, F f) {
+    checkPointCount(points);
+    const std::vector<Index> order = alongCurve(points);
+    std::atomic<Offset> done = 0;
+    parallelFor(std::ssize(points), groupSize, [&](Offset first, Offset last) {
+        f(PointGroup{first / groupSize, std::span(order).subspan(first, last - first)});
+        if (progress) progress(done += last - first);
+    });
+}
+
+/// Returns the rows of all parts, without the check of OutsidePolicy::Error.
+/// \param parts in units; their points are 0 to rowCount − 1, each in at least one part. Their
+///        tables are emptied
+/// \param hasGradients makes BoundRows::gradients
+template <class Table>
+BoundRows<Table> gatherParts(std::vector<BoundPart<Table>> parts, Index rowCount, Index columnCount,
+                             const LengthUnit& unit, bool hasGradients) {
+    BoundRows<Table> rows;
+    rows.statuses.resize(rowCount);
+    for (const BoundPart<Table>& part : parts) {
+        for (std::size_t i = 0; i < part.points.size(); ++i)
+            rows.statuses[part.points[i]] = part.statuses[i];
+        rows.largestResidual = std::max(rows.largestResidual, unit.fromUnits(part.largestResidual));
+        for (const CarriedPoint& each : part.carried)
+            rows.carried.push_back({part.points[each.point], unit.fromUnits(each.away)});
+    }
+    if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
+        if (hasGradients) rows.gradients = gatherGradients(parts, columnCount);
+    gatherRows(parts, rowCount, columnCount, rows.table);
+    markWithoutRows(rows);
+    return rows;
+}
+
+/// Binds points in parallel, group by group, to one table.
 /// \param bindGroup works in units of `unit`. It is destroyed before the rows are gathered, since
 ///        gathering needs the most memory
 /// \param options the level has no meaning here
+/// \throws Error under OutsidePolicy::Error if a point is not inside
 template <class Table>
 BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
                             const LengthUnit& unit, std::span<const Point3> points,
                             Offset groupSize, const BindingOptions& options) {
-    checkPointCount(points);
-    const Offset pointCount = std::ssize(points);
-    const std::vector<Index> order = alongCurve(points);
-    std::vector<std::vector<BoundPart<Table>>> groups((pointCount + groupSize - 1) / groupSize);
-    std::atomic<Offset> done = 0, entryCount = 0;
-    parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
-        const auto numbers = std::span(order).subspan(first, last - first);
-        auto& parts = groups[first / groupSize];
-        parts = bindGroup(unit.toUnits(chosenPoints(points, numbers)));
+    std::vector<std::vector<BoundPart<Table>>> groups((std::ssize(points) + groupSize - 1) /
+                                                      groupSize);
+    std::atomic<Offset> entryCount = 0;
+    forEachGroup(points, groupSize, options.progress, [&](const PointGroup& group) {
+        auto& parts = groups[group.group];
+        parts = bindGroup(unit.toUnits(chosenPoints(points, group.points)));
         for (BoundPart<Table>& part : parts) {
-            for (CarriedPoint& each : part.carried) each.point = numbers[part.points[each.point]];
-            for (Index& point : part.points) point = numbers[point];
+            for (Index& point : part.points) point = group.points[point];
             entryCount += pointRows(part.table).entryCount();
             entryCount += part.gradients.vertices.entryCount() + part.gradients.rows.entryCount();
         }
         // gatherRows() needs as much memory again as the rows of the groups.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),
                       "a table of the " + std::to_string(entryCount) + " weights so far");
-        if (options.progress) options.progress(done += last - first);
     });
-
     bindGroup = {};
-    BoundRows<Table> model;
-    model.statuses.resize(points.size());
     std::vector<BoundPart<Table>> parts;
     for (auto& group : groups)
-        for (BoundPart<Table>& part : group) {
-            for (std::size_t i = 0; i < part.points.size(); ++i)
-                model.statuses[part.points[i]] = part.statuses[i];
-            model.largestResidual =
-                std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
-            for (const CarriedPoint& each : part.carried)
-                model.carried.push_back({each.point, unit.fromUnits(each.away)});
-            parts.push_back(std::move(part));
-        }
-    const auto rowCount = static_cast<Index>(pointCount);
-    const Index columnCount = base.level(0).complex.count(0);
-    if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
-        if (options.gradients) model.gradients = gatherGradients(parts, columnCount);
-    gatherRows(parts, rowCount, columnCount, model.table);
-    completeStatuses(points, options.embedding.outside, model);
-    return model;
+        for (BoundPart<Table>& part : group) parts.push_back(std::move(part));
+    auto rows = gatherParts(std::move(parts), static_cast<Index>(points.size()),
+                            base.level(0).complex.count(0), unit, options.gradients);
+    if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, rows.statuses);
+    return rows;
+}
+
+/// Binds points in parallel, group by group, and gives the rows of each group to `sink`.
+/// \param bindGroup works in units of `unit`
+/// \param options the level and the policy for points outside have no meaning here
+inline void bindGroupsInto(const BindGroup<stencils::StencilTable<double>>& bindGroup,
+                           const far::TopologyRefiner& base, const LengthUnit& unit,
+                           std::span<const Point3> points, Offset groupSize,
+                           const BindingOptions& options, RowSink sink) {
+    forEachGroup(points, groupSize, options.progress, [&](const PointGroup& group) {
+        sink(group.points, gatherParts(bindGroup(unit.toUnits(chosenPoints(points, group.points))),
+                                       static_cast<Index>(group.points.size()),
+                                       base.level(0).complex.count(0), unit, options.gradients));
+    });
 }
 
 }  // namespace espalier::embed

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <string>
 #include <type_traits>
@@ -313,7 +314,8 @@ BoundRows<Table> bindToWholeLevel(const far::TopologyRefiner& base, const Length
         model.carried.push_back({order[each.point], unit.fromUnits(each.away)});
     if (options.gradients) model.gradients = renumbered(std::move(located.gradients), order);
     orderRows(std::move(located.factors), located.byBaseCell, order, model.table);
-    completeStatuses(points, options.embedding.outside, model);
+    markWithoutRows(model);
+    if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     return model;
 }
 
@@ -338,7 +340,58 @@ BoundRows<Table> bindByRefinement(const RestLattice& lattice, const LengthUnit& 
         lattice.base, unit, points, groupSizeFor(std::ssize(points)), options);
 }
 
+/// Binds points by refinement, and gives the rows of each group to `sink`.
+/// \param search a search in `lattice`, which is in units
+/// \param options the policy for points outside is not OutsidePolicy::Error
+void bindByRefinementInto(const RestLattice& lattice, const LengthUnit& unit,
+                          const LevelSearch& search, std::span<const Point3> points,
+                          const BindingOptions& options, RowSink sink) {
+    // Points that are bound to the whole level get their rows all at once. So the level is made
+    // anew for each of these many points, which takes less time than their rows.
+    constexpr Offset kMostAtOnce = 1 << 18;
+    for (Offset first = 0; first < std::ssize(points); first += kMostAtOnce) {
+        const auto some = points.subspan(first, std::min(kMostAtOnce, std::ssize(points) - first));
+        BindingOptions ofSome = options;
+        if (options.progress)
+            ofSome.progress = [&](Offset done) { options.progress(first + done); };
+        const auto sinkAll = [&](std::span<const Index> numbers, BoundRows<> rows) {
+            std::vector<Index> inAll(numbers.begin(), numbers.end());
+            for (Index& number : inAll) number += static_cast<Index>(first);
+            sink(inAll, std::move(rows));
+        };
+        if (!needWholeLevel(lattice.base.level(0).complex, options.level, std::ssize(some))) {
+            bindGroupsInto(
+                [&](std::span<const Point3> group) {
+                    return bindGroup<stencils::StencilTable<double>>(
+                        search, group, options.gradients ? &unit : nullptr);
+                },
+                lattice.base, unit, some, groupSizeFor(std::ssize(some)), ofSome, sinkAll);
+            continue;
+        }
+        std::vector<Index> numbers(some.size());
+        std::iota(numbers.begin(), numbers.end(), Index{0});
+        sinkAll(numbers, bindToWholeLevel<stencils::StencilTable<double>>(
+                             lattice.base, unit, lattice.positions, some, ofSome));
+    }
+}
+
 }  // namespace
+
+void bindInGroups(const RestLattice& lattice, std::span<const Point3> points,
+                  const BindingOptions& options, RowSink sink) {
+    checkRest(lattice, options.level);
+    checkPointCount(points);
+    const LengthUnit unit(lattice.positions);
+    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+    const RestLattice rest{lattice.base, inUnits};
+    const LevelSearch search(rest, options.level, withoutRefusal(options.embedding));
+    const RegularSearch regular(rest, search.descent(), spacingOf(options.level));
+    bindRegularFirstInto(
+        regular, unit, points, options, sink,
+        [&](std::span<const Point3> others, const BindingOptions& ofOthers, RowSink sinkOthers) {
+            bindByRefinementInto(rest, unit, search, others, ofOthers, sinkOthers);
+        });
+}
 
 BoundRows<> bindPoints(const RestLattice& lattice, std::span<const Point3> points,
                        const BindingOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/function_ref.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/embed/gradients.h>
 #include <espalier/stencils/factored_table.h>
@@ -97,6 +98,24 @@ struct BindingOptions {
 /// \cite MacCracken & Joy 1996, sections 2.2 and 4 to 6
 ESPALIER_API BoundRows<> bindPoints(const RestLattice& lattice, std::span<const Point3> points,
                                     const BindingOptions& options = {});
+
+/// Gets the rows of some points, and the numbers of these points in the model, in the same order.
+/// It may be called from several threads at once.
+using RowSink = FunctionRef<void(std::span<const Index> points, BoundRows<> rows)>;
+
+/// Binds points to a level, as bindPoints() does, but makes no D: gives the rows of each group of
+/// neighbouring points to `sink`, which uses them while they are in the cache. The rows have the
+/// same bits as those of D. The gradients of a group are those of the group alone.
+///
+/// Each point is in one group. OutsidePolicy::Error has no effect: the statuses tell which points
+/// are not inside.
+///
+/// \throws Error, ArgumentError, TopologyError as bindPoints()
+/// \cost as bindPoints(), without the memory of D: it needs memory for the base, for 4 bytes for
+///       each point, and for one group per thread, which has up to 16,000 points or, where cells
+///       are not regular and a level has few, 260,000
+ESPALIER_API void bindInGroups(const RestLattice& lattice, std::span<const Point3> points,
+                               const BindingOptions& options, RowSink sink);
 
 /// Binds points to a level, by refinement, and leaves D in its factors. Their product is the D of
 /// bindPoints(), up to rounding. The table may contain a vertex of the level several times, for

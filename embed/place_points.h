@@ -45,6 +45,12 @@ void checkVertexCount(Index placedIn, Index vertexCount);
 /// \throws Error naming the first point that is not inside
 void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses);
 
+/// Returns options under which a point outside stays in place instead of being refused.
+inline EmbeddingOptions withoutRefusal(EmbeddingOptions options) {
+    if (options.outside == OutsidePolicy::Error) options.outside = OutsidePolicy::Keep;
+    return options;
+}
+
 /// Returns the points with the given indices.
 std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers);
 

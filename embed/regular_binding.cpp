@@ -13,22 +13,27 @@
 namespace espalier::embed {
 namespace {
 
-/// Number of neighbouring points that are sought together: they share the patches around them.
-constexpr Offset kGroupSize = 1 << 13;
+/// Number of neighbouring points that are sought together: they share the patches around them. The
+/// rows of a group take about a megabyte, so that they are in the cache when a pose is applied.
+constexpr Offset kGroupSize = 1 << 11;
+
+/// Finds the places of a group of points.
+RegularPlaces placesOf(const RegularSearch& search, const LengthUnit& unit,
+                       std::span<const Point3> points, const PointGroup& group) {
+    return search.locate(unit.toUnits(chosenPoints(points, group.points)));
+}
 
 /// Finds all points of a model.
 RegularPlaces placesOf(const RegularSearch& search, const LengthUnit& unit,
                        std::span<const Point3> points,
                        const std::function<void(Offset)>& progress) {
-    const std::vector<Index> order = alongCurve(points);
-    const Offset pointCount = std::ssize(points);
-    std::vector<RegularPlaces> groups((pointCount + kGroupSize - 1) / kGroupSize);
+    std::vector<RegularPlaces> groups((std::ssize(points) + kGroupSize - 1) / kGroupSize);
+    std::vector<Index> order(points.size());
     std::atomic<Offset> done = 0;
-    parallelFor(pointCount, kGroupSize, [&](Offset first, Offset last) {
-        RegularPlaces& group = groups[first / kGroupSize];
-        group = search.locate(
-            unit.toUnits(chosenPoints(points, std::span(order).subspan(first, last - first))));
-        if (progress) progress(done += group.count());
+    forEachGroup(points, kGroupSize, {}, [&](const PointGroup& group) {
+        std::ranges::copy(group.points, order.begin() + group.group * kGroupSize);
+        groups[group.group] = placesOf(search, unit, points, group);
+        if (progress) progress(done += groups[group.group].count());
     });
     RegularPlaces all;
     all.places.resize(points.size());
@@ -129,8 +134,53 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
         if (others.gradients) parts.push_back(renumbered(std::move(*others.gradients), numbers));
         model.gradients = merged(parts, base.count(0));
     }
-    completeStatuses(points, outside, model);
+    markWithoutRows(model);
+    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     return model;
+}
+
+void bindRegularFirstInto(const RegularSearch& search, const LengthUnit& unit,
+                          std::span<const Point3> points, const BindingOptions& options,
+                          RowSink sink, BindOthersInto bindOthers) {
+    BindingOptions ofOthers = options;
+    ofOthers.embedding = withoutRefusal(options.embedding);
+    if (search.isEmpty()) return bindOthers(points, ofOthers, sink);
+    const Index columnCount = search.base().count(0);
+    std::vector<std::vector<Index>> without((std::ssize(points) + kGroupSize - 1) / kGroupSize);
+    std::atomic<Offset> done = 0;
+    forEachGroup(points, kGroupSize, {}, [&](const PointGroup& group) {
+        RegularPlaces places = placesOf(search, unit, points, group);
+        std::vector<Index> placed;
+        for (std::size_t i = 0; i < places.places.size(); ++i) {
+            const bool isPlaced = places.places[i].length > 0;
+            (isPlaced ? placed : without[group.group]).push_back(group.points[i]);
+            if (isPlaced) places.places[placed.size() - 1] = places.places[i];
+        }
+        places.places.resize(placed.size());
+        if (placed.empty()) return;
+        BoundRows<> rows;
+        rows.table = rowsOf(places, search.spacing(), columnCount, {});
+        rows.statuses.assign(placed.size(), PointStatus::Inside);
+        rows.largestResidual = unit.fromUnits(places.largestResidual);
+        if (options.gradients) rows.gradients = gradientsOf(places, search.spacing(), columnCount);
+        sink(placed, std::move(rows));
+        if (options.progress) options.progress(done += std::ssize(placed));
+    });
+    std::vector<Index> numbers;
+    for (std::vector<Index>& each : without) {
+        numbers.insert(numbers.end(), each.begin(), each.end());
+        each = {};
+    }
+    if (numbers.empty()) return;
+    // In the order of the model.
+    std::ranges::sort(numbers);
+    if (options.progress) ofOthers.progress = [&](Offset more) { options.progress(done + more); };
+    bindOthers(chosenPoints(points, numbers), ofOthers,
+               [&](std::span<const Index> some, BoundRows<> rows) {
+                   std::vector<Index> inModel;
+                   for (const Index i : some) inModel.push_back(numbers[i]);
+                   sink(inModel, std::move(rows));
+               });
 }
 
 }  // namespace espalier::embed

@@ -24,4 +24,16 @@ ESPALIER_API BoundRows<> bindRegularFirst(const RegularSearch& search, const Len
                                           std::span<const Point3> points,
                                           const BindingOptions& options, BindOthers bindOthers);
 
+/// Binds points that a regular search does not find, group by group. They are the points that are
+/// given to it, in the order of the model; `sink` gets their numbers among these.
+using BindOthersInto =
+    FunctionRef<void(std::span<const Point3> points, const BindingOptions& options, RowSink sink)>;
+
+/// The same, but gives the rows of each group to `sink` (bindInGroups()).
+/// \param bindOthers as in bindRegularFirst(); it gets options without OutsidePolicy::Error
+ESPALIER_API void bindRegularFirstInto(const RegularSearch& search, const LengthUnit& unit,
+                                       std::span<const Point3> points,
+                                       const BindingOptions& options, RowSink sink,
+                                       BindOthersInto bindOthers);
+
 }  // namespace espalier::embed

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/gradient_rows.h>
@@ -14,7 +15,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <string>
 
@@ -277,6 +280,22 @@ BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> poi
     result.statuses.reserve(points.size());
     for (const auto& point : embedding.points) result.statuses.push_back(point.status);
     return result;
+}
+
+void bindInGroups(const TensorLattice& lattice, std::span<const Point3> points,
+                  const BindingOptions& options, RowSink sink) {
+    // A row of a B-spline lattice takes 0.8 kB; a row of a Bézier lattice has every vertex.
+    constexpr Offset kGroupSize = 1 << 10;
+    checkedTolerance(options.embedding.tolerance);
+    checkPointCount(points);
+    const BindingOptions ofGroup = {1, withoutRefusal(options.embedding), options.gradients};
+    std::atomic<Offset> done = 0;
+    parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
+        std::vector<Index> numbers(last - first);
+        std::iota(numbers.begin(), numbers.end(), static_cast<Index>(first));
+        sink(numbers, bindPoints(lattice, points.subspan(first, last - first), ofGroup));
+        if (options.progress) options.progress(done += last - first);
+    });
 }
 
 }  // namespace espalier::embed

@@ -135,4 +135,10 @@ ESPALIER_API Gradients buildGradients(const TensorLattice& lattice,
 ESPALIER_API BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
                                     const BindingOptions& options = {});
 
+/// Binds points as bindPoints() does, but makes no D: gives the rows of each group of points to
+/// `sink` (embed::bindInGroups()).
+/// \throws ArgumentError if the tolerance is out of range
+ESPALIER_API void bindInGroups(const TensorLattice& lattice, std::span<const Point3> points,
+                               const BindingOptions& options, RowSink sink);
+
 }  // namespace espalier::embed

@@ -212,35 +212,38 @@ void joinPairs(const Halves& sorted, const std::vector<HalfFace>& halves, IsSame
 /// Returns the half face that shares the face of each half face; itself if there is none.
 std::vector<Index> matesOf(const std::vector<HalfFace>& halves, const CellLoops& loops,
                            Index pointCount) {
-    std::vector<Index> mates(halves.size()), smallest(halves.size());
-    std::vector<LoopKey> keys(halves.size());
+    std::vector<Index> mates(halves.size());
     std::vector<Offset> ends(Offset{pointCount} + 1, 0);
     std::vector<Index> loop;
-    for (std::size_t half = 0; half < halves.size(); ++half) {
-        checkCancelledEvery(half, 14);
+    // Calls f(half, position of the smallest point in `loop`), where `loop` is the loop of the
+    // half.
+    const auto forEachLoop = [&](auto f) {
+        for (std::size_t half = 0; half < halves.size(); ++half) {
+            checkCancelledEvery(half, 14);
+            loops.read(halves[half], loop);
+            f(half, std::min_element(loop.begin(), loop.end()) - loop.begin());
+        }
+    };
+    // Twice, instead of keeping the keys: they take 16 bytes each.
+    forEachLoop([&](std::size_t half, std::ptrdiff_t start) {
         mates[half] = static_cast<Index>(half);
-        loops.read(halves[half], loop);
-        const std::size_t n = loop.size();
-        const std::size_t start = std::min_element(loop.begin(), loop.end()) - loop.begin();
-        const auto at = [&](std::size_t i) {
-            return loop[start + i < n ? start + i : start + i - n];
-        };
-        const Index after = at(1), before = at(n - 1);
-        smallest[half] = loop[start];
-        ++ends[smallest[half] + 1];
-        keys[half] = {std::min(after, before), std::max(after, before),
-                      n == 3   ? LoopKey::kTriangle
-                      : n == 4 ? at(2)
-                               : LoopKey::kPolygon,
-                      static_cast<Index>(half)};
-    }
+        ++ends[loop[start] + 1];
+    });
     for (std::size_t point = 0; point + 1 < ends.size(); ++point) ends[point + 1] += ends[point];
     std::vector<LoopKey> grouped(halves.size());
     std::vector<Offset> next(ends.begin(), ends.end() - 1);
-    for (std::size_t half = 0; half < halves.size(); ++half) {
-        checkCancelledEvery(half, 16);
-        grouped[next[smallest[half]]++] = keys[half];
-    }
+    forEachLoop([&](std::size_t half, std::ptrdiff_t start) {
+        const auto n = std::ssize(loop);
+        const auto at = [&](std::ptrdiff_t i) {
+            return loop[start + i < n ? start + i : start + i - n];
+        };
+        const Index after = at(1), before = at(n - 1);
+        grouped[next[loop[start]]++] = {std::min(after, before), std::max(after, before),
+                                        n == 3   ? LoopKey::kTriangle
+                                        : n == 4 ? at(2)
+                                                 : LoopKey::kPolygon,
+                                        static_cast<Index>(half)};
+    });
 
     struct Polygon {
         std::vector<Index> loop;
@@ -422,6 +425,9 @@ Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
 VolumeMesh VolumeMeshBuilder::build() {
     const CellLoops loops{points_, loops_, loopsOfCells_};
     std::vector<HalfFace> halves;
+    std::size_t loopCount = 0;
+    for (Index cell = 0; cell < cellCount(); ++cell) loopCount += loops.count(cell);
+    halves.reserve(loopCount);
     for (Index cell = 0; cell < cellCount(); ++cell) {
         checkCancelledEvery(cell, 14);
         for (std::size_t i = 0; i < loops.count(cell); ++i)
@@ -432,9 +438,22 @@ VolumeMesh VolumeMeshBuilder::build() {
 
     auto data = std::make_shared<VolumeMesh::Data>();
     data->pointCount = pointCount_;
+    Index internalCount = 0;
+    Offset cornerCount = 0;
+    std::vector<Index> loop;
+    for (Index half = 0; half < halfCount; ++half) {
+        checkCancelledEvery(half, 14);
+        if (mates[half] < half) continue;
+        internalCount += mates[half] != half;
+        loops.read(halves[half], loop);
+        cornerCount += std::ssize(loop);
+    }
+    data->faces.offsets.reserve(Offset{halfCount} - internalCount + 1);
+    data->faces.values.reserve(cornerCount);
+    data->owners.reserve(halfCount - internalCount);
+    data->neighbours.reserve(internalCount);
     // Internal faces first, each at its first half.
     std::vector<Index> faceOfHalf(halves.size());
-    std::vector<Index> loop;
     for (const bool internal : {true, false})
         for (Index half = 0; half < halfCount; ++half) {
             checkCancelledEvery(half, 14);
@@ -450,6 +469,7 @@ VolumeMesh VolumeMeshBuilder::build() {
         }
     Rows<Index>& ofCells = data->facesOfCells;
     ofCells.offsets.reserve(points_.offsets.size());
+    ofCells.values.reserve(halfCount);
     for (Index half = 0, cell = 0; cell < cellCount(); ++cell) {
         checkCancelledEvery(cell, 14);
         for (; half < halfCount && halves[half].cell == cell; ++half)

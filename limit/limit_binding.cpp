@@ -248,10 +248,14 @@ private:
     LimitSearch search_;
 };
 
-}  // namespace
+/// Number of neighbouring points that are bound together, as in a deep level: most points at
+/// irregular features share no cells with other points.
+constexpr Offset kGroupSize = 1 << 12;
 
-embed::BoundRows<> bindLimit(const embed::RestLattice& lattice, std::span<const Point3> points,
-                             const LimitOptions& options) {
+/// Makes the searches for points in the limit, in units, and calls f with them.
+/// \throws Error, ArgumentError as bindLimit() for the lattice and the options; as f
+template <class F>
+auto withSearches(const embed::RestLattice& lattice, const LimitOptions& options, F f) {
     checkLimitTolerance(options.tolerance, "limitTolerance");
     checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
@@ -261,21 +265,46 @@ embed::BoundRows<> bindLimit(const embed::RestLattice& lattice, std::span<const 
     const embed::RestLattice rest{lattice.base, inUnits};
     auto binder = std::make_shared<const LimitBinder>(rest, unit, options);
     const embed::RegularSearch regular(rest, binder->descent(), embed::kLimitSpacing);
-    return embed::bindRegularFirst(
-        regular, unit, points,
-        {.embedding = options.embedding,
-         .gradients = options.gradients,
-         .progress = options.progress},
-        [&](std::span<const Point3> others, const embed::BindingOptions& optionsOfOthers) {
-            // As in a deep level: most points at irregular features share no cells with other
-            // points.
-            constexpr Offset kGroupSize = 1 << 12;
-            return embed::bindGroups<stencils::StencilTable<double>>(
-                [binder = std::move(binder)](std::span<const Point3> group) {
-                    return binder->bind(group);
-                },
-                lattice.base, unit, others, kGroupSize, optionsOfOthers);
+    return f(unit, std::move(binder), regular,
+             embed::BindingOptions{.embedding = options.embedding,
+                                   .gradients = options.gradients,
+                                   .progress = options.progress});
+}
+
+}  // namespace
+
+embed::BoundRows<> bindLimit(const embed::RestLattice& lattice, std::span<const Point3> points,
+                             const LimitOptions& options) {
+    return withSearches(
+        lattice, options,
+        [&](const embed::LengthUnit& unit, std::shared_ptr<const LimitBinder> binder,
+            const embed::RegularSearch& regular, const embed::BindingOptions& chosen) {
+            return embed::bindRegularFirst(
+                regular, unit, points, chosen,
+                [&](std::span<const Point3> others, const embed::BindingOptions& ofOthers) {
+                    return embed::bindGroups<stencils::StencilTable<double>>(
+                        [own = std::move(binder)](std::span<const Point3> group) {
+                            return own->bind(group);
+                        },
+                        lattice.base, unit, others, kGroupSize, ofOthers);
+                });
         });
+}
+
+void bindLimitInGroups(const embed::RestLattice& lattice, std::span<const Point3> points,
+                       const LimitOptions& options, embed::RowSink sink) {
+    withSearches(lattice, options,
+                 [&](const embed::LengthUnit& unit, std::shared_ptr<const LimitBinder> binder,
+                     const embed::RegularSearch& regular, const embed::BindingOptions& chosen) {
+                     embed::bindRegularFirstInto(
+                         regular, unit, points, chosen, sink,
+                         [&](std::span<const Point3> others, const embed::BindingOptions& ofOthers,
+                             embed::RowSink sinkOthers) {
+                             embed::bindGroupsInto(
+                                 [&](std::span<const Point3> group) { return binder->bind(group); },
+                                 lattice.base, unit, others, kGroupSize, ofOthers, sinkOthers);
+                         });
+                 });
 }
 
 }  // namespace espalier::limit

@@ -83,4 +83,11 @@ ESPALIER_API embed::BoundRows<> bindLimit(const embed::RestLattice& lattice,
                                           std::span<const Point3> points,
                                           const LimitOptions& options = {});
 
+/// Binds points to the limit, as bindLimit() does, but makes no D: gives the rows of each group of
+/// points to `sink` (embed::bindInGroups()).
+/// \throws Error, ArgumentError, TopologyError as bindLimit()
+ESPALIER_API void bindLimitInGroups(const embed::RestLattice& lattice,
+                                    std::span<const Point3> points, const LimitOptions& options,
+                                    embed::RowSink sink);
+
 }  // namespace espalier::limit

@@ -33,7 +33,7 @@ class Deform(CliTest):
         out = self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 2, out="out.obj").stdout
         self.assert_close(self.read_points("out.obj"), self.expected, 1e-13)
         self.assertIn("500 inside the lattice, 0 outside, 0 could not be placed", out)
-        for word in ["placement error", "weights for each point", "peak memory", "binding"]:
+        for word in ["placement error", "weights for each point", "peak memory", "deforming"]:
             self.assertIn(word, out)
         text = self.text("out.obj")
         self.assertTrue(text.startswith("# a comment\nv "))

@@ -70,21 +70,36 @@ class Report(CliTest):
 
     def test_poses_add_up(self):
         matrix = self.report(*self.bind)[0]["matrix"]
-        poses = ["a.ovm", "b.vtk", "c.vtu"]
-        outputs = [f"out.{i:04}.obj" for i in range(3)]
+        poses = ["a.ovm", "b.vtk", "c.vtu", "a.ovm", "b.vtk"]  # More than deform does without D.
+        outputs = [f"out.{i:04}.obj" for i in range(5)]
         a_pose = matrix["bytes"] + (matrix["rows"] + matrix["columns"]) * POINT
         for command, inputs, first in [(self.apply, ["m.espb"], ["reading"]),
                                        (self.deform, ["model.obj", "rest.vtu"], BINDING)]:
             report, stages, names = self.report(*command, *poses)
             self.assertEqual(names, [*first, "applying", "writing"])
             self.assertEqual(stages["reading"]["bytes"], self.size(*inputs, *poses))
-            self.assertEqual(stages["applying"]["bytes"], 3 * a_pose)
+            self.assertEqual(stages["applying"]["bytes"], 5 * a_pose)
             self.assertEqual(stages["writing"]["bytes"], self.size(*outputs))
             self.assertEqual(report["matrix"], matrix)
             self.assertEqual(report["points"],
                              {"inside": 500, "outside": 0, "not_converged": 0, "not_bound": 0})
-            one = self.report(*command, "a.ovm")[1]
-            self.assertEqual(one["applying"]["bytes"], a_pose)
+            self.assertEqual(self.report(*self.apply, "a.ovm")[1]["applying"]["bytes"], a_pose)
+
+    def test_few_poses_need_no_matrix(self):
+        matrix = self.report(*self.bind)[0]["matrix"]
+        poses = ["a.ovm", "b.vtk", "c.vtu", "a.ovm"]
+        self.run_program(*self.apply, *poses)
+        expected = [self.bytes(f"out.{i:04}.obj") for i in range(4)]
+        for count in [1, 4]:
+            report, stages, names = self.report(*self.deform, *poses[:count])
+            self.assertEqual(names, ["reading", "deforming", "writing"])
+            self.assertEqual(stages["deforming"]["bytes"], count * 500 * POINT)
+            self.assertEqual(report["matrix"], {**matrix, "bytes": None})
+            self.assertEqual(report["kept"], 0)
+        self.assertEqual([self.bytes(f"out.{i:04}.obj") for i in range(4)], expected)
+        text = self.run_program(*self.deform, "a.ovm").stdout
+        self.assertRegex(text, r"\nmatrix            500 points × 27 lattice vertices, [0-9.]+ "
+                               r"weights for each point that moves, not stored\n")
 
     def test_text_says_the_same(self):
         self.write_model(icosphere_points(500) + [(1.5, 0.5, 0.5)])
@@ -95,9 +110,9 @@ class Report(CliTest):
             self.assertEqual(kept, 1)
             self.assertIn("left in place     1 point, whatever the pose\n", text)
             self.assertIn("matrix            %d points × %d lattice vertices, %.1f weights for each "
-                          "point that moves, %.1f kB\n" % (
+                          "point that moves, %s\n" % (
                 matrix["rows"], matrix["columns"], matrix["entries"] / (matrix["rows"] - kept),
-                matrix["bytes"] / 1000), text)
+                "%.1f kB" % (matrix["bytes"] / 1000) if matrix["bytes"] else "not stored"), text)
             if "points" in report:
                 self.assertIn("points            %(inside)d inside the lattice, %(outside)d outside, "
                               "%(not_converged)d could not be placed\n" % report["points"], text)
@@ -118,7 +133,7 @@ class Report(CliTest):
             self.assertTrue(reader.stdout.read().startswith(b"# a comment\nv "))
         self.assertIsNone(stages["writing"]["bytes"])
         self.assertIsNone(stages["writing"]["gigabytes_per_second"])
-        self.assertIsNotNone(stages["applying"]["bytes"])
+        self.assertIsNotNone(stages["deforming"]["bytes"])
 
     def test_quiet_wins_and_errors_leave_no_report(self):
         for command in [self.bind, [*self.deform, "a.ovm"], [*self.apply, "a.ovm"]]:
