@@ -66,6 +66,7 @@ public:
             numbers.dimension = dimension();
             const std::size_t count =
                 text_.count("the number of vertices", 2 * (numbers.dimension + 1));
+            numbers.points.reserveMore(count);
             for (std::size_t i = 0; i < count; ++i) {
                 Point3& position = numbers.points.values.emplace_back(Point3{0, 0, 0});
                 CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();

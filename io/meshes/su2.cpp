@@ -36,6 +36,7 @@ public:
             if (keyword != "NPOIN") return false;
             isFound = true;
             const std::size_t pointCount = countOf(value, "NPOIN", 2 * dimension());
+            numbers.points.reserveMore(pointCount);
             for (std::size_t i = 0; i < pointCount; ++i) {
                 std::string_view line = nextLine("a point");
                 Point3& position = numbers.points.values.emplace_back(Point3{0, 0, 0});

@@ -42,6 +42,12 @@ struct FileVectors {
         offsets.resize(count);
     }
 
+    /// Makes room for `count` more vectors, so that no memory is left over.
+    void reserveMore(std::size_t count) {
+        values.reserve(values.size() + count);
+        offsets.reserve(offsets.size() + count);
+    }
+
     /// Returns the change to other vectors.
     VectorChange changeTo(std::span<const Point3> now) const {
         return {offsets, values, now, precisions};
