@@ -13,7 +13,7 @@
 #include <limits>
 #include <string>
 
-#include "simplex.h"
+#include <espalier/embed/simplex.h>
 
 namespace espalier::embed {
 

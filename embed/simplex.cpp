@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simplex.h"
+#include <espalier/embed/simplex.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
