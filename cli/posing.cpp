@@ -134,11 +134,12 @@ Point3 Posing::pivotPoint() const {
 }
 
 std::vector<double> Posing::weights() const {
-    const auto selected =
-        selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
-    if (movesHeld_) return selected;
-    auto weights = shapes::weightsWithHeld(lattice_, selected);
-    if (!weights.empty() && std::ranges::none_of(weights, [](double w) { return w > 0; }))
+    if (movesHeld_)
+        return selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
+    auto weights = selection_
+                       ? shapes::weightsWithHeld(lattice_, selection_->weights(lattice_, falloff_))
+                       : shapes::weightsWithHeld(lattice_);
+    if (std::ranges::none_of(weights, [](double w) { return w > 0; }))
         throw CLI::ValidationError(
             kSelect,
             "all selected vertices are held, as the lattice says; select others, or give "

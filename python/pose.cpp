@@ -396,15 +396,13 @@ weights : array (V,) of float from 0 to 1
     module.def(
         "without_held",
         [](const Lattice& lattice, const std::optional<ArrayLike>& weights) {
-            std::vector<double> given(lattice.positions.size(), 1);
-            if (weights) {
-                const auto array = realArray<double>(*weights, "weights");
-                if (array.ndim() != 1)
-                    throw Error("weights has shape " + shapeText(array) +
-                                "; expected one number for each vertex");
-                given.assign(array.data(), array.data() + array.size());
-            }
-            return toArray(shapes::weightsWithHeld(lattice, given));
+            if (!weights) return toArray(shapes::weightsWithHeld(lattice));
+            const auto array = realArray<double>(*weights, "weights");
+            if (array.ndim() != 1)
+                throw Error("weights has shape " + shapeText(array) +
+                            "; expected one number for each vertex");
+            return toArray(shapes::weightsWithHeld(
+                lattice, {array.data(), static_cast<std::size_t>(array.size())}));
         },
         "lattice"_a, "weights"_a = py::none(), R"(
 Returns the weights with 0 for the vertices that the lattice holds (Lattice.held), so that no

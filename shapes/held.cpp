@@ -14,22 +14,41 @@ namespace {
 
 constexpr std::int64_t kIsHeld = 1;
 
-bool isNamedHeld(const VertexIntegers& integers) {
-    return integers.name == kHeld;
+/// Tells whether integers say which vertices are held.
+bool saysHeld(const VertexIntegers& integers) {
+    return integers.name == kHeld && integers.components == 1 &&
+           std::ranges::all_of(integers.values, [&](std::int64_t value) {
+               return value == 0 || value == kIsHeld || value == noInteger(integers.type);
+           });
 }
 
 }  // namespace
 
 std::vector<Index> heldVertices(const Lattice& lattice) {
     std::vector<Index> vertices;
-    const auto held = std::ranges::find_if(lattice.integers, isNamedHeld);
-    if (held == lattice.integers.end() || held->components != 1) return vertices;
+    const auto held = std::ranges::find_if(lattice.integers, saysHeld);
+    if (held == lattice.integers.end()) return vertices;
     for (std::size_t vertex = 0; vertex < held->values.size(); ++vertex)
         if (held->values[vertex] == kIsHeld) vertices.push_back(static_cast<Index>(vertex));
     return vertices;
 }
 
+void requireHeldIsFree(const Lattice& lattice) {
+    const bool isTaken = std::ranges::any_of(lattice.attributes,
+                                             [](const VertexAttribute& attribute) {
+                                                 return attribute.name == kHeld;
+                                             }) ||
+                         std::ranges::any_of(lattice.integers, [](const VertexIntegers& integers) {
+                             return integers.name == kHeld && !saysHeld(integers);
+                         });
+    if (isTaken)
+        throw Error(
+            "the lattice has point data with the name \"held\" that are not integers 0 and 1; "
+            "rename them, because data of this name say which vertices are held in place");
+}
+
 void setHeldVertices(Lattice& lattice, std::span<const Index> vertices) {
+    requireHeldIsFree(lattice);
     VertexIntegers held{kHeld, 1, IntegerType::UInt8, {}};
     held.values.resize(lattice.positions.size());
     for (const Index vertex : vertices) {
@@ -38,12 +57,16 @@ void setHeldVertices(Lattice& lattice, std::span<const Index> vertices) {
                                 concat("0 to ", std::ssize(lattice.positions) - 1));
         held.values[vertex] = kIsHeld;
     }
-    std::erase_if(lattice.integers, isNamedHeld);
+    std::erase_if(lattice.integers, saysHeld);
     lattice.integers.push_back(std::move(held));
 }
 
+std::vector<double> weightsWithHeld(const Lattice& lattice) {
+    return weightsWithHeld(lattice, std::vector<double>(lattice.positions.size(), 1.0));
+}
+
 std::vector<double> weightsWithHeld(const Lattice& lattice, std::span<const double> weights) {
-    if (!weights.empty() && weights.size() != lattice.positions.size())
+    if (weights.size() != lattice.positions.size())
         throw Error(concat("there are ", weights.size(), " weights; expected one for each of the ",
                            lattice.positions.size(), " vertices"));
     for (std::size_t vertex = 0; vertex < weights.size(); ++vertex)
@@ -51,10 +74,7 @@ std::vector<double> weightsWithHeld(const Lattice& lattice, std::span<const doub
             throw Error(
                 concat("weights[", vertex, "] is ", textOf(weights[vertex]), "; expected 0 to 1"));
     std::vector<double> result(weights.begin(), weights.end());
-    const std::vector<Index> held = heldVertices(lattice);
-    if (held.empty()) return result;
-    result.resize(lattice.positions.size(), 1);
-    for (const Index vertex : held) result[vertex] = 0;
+    for (const Index vertex : heldVertices(lattice)) result[vertex] = 0;
     return result;
 }
 

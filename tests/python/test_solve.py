@@ -27,6 +27,8 @@ def test_held_vertices_stay_in_fits_pulls_and_poses():
     assert np.flatnonzero(weights == 0).tolist() == lattice.held.tolist()
     half = espalier.pose.without_held(lattice, np.full(343, 0.5))
     np.testing.assert_array_equal(half, weights / 2)
+    with pytest.raises(ValueError, match="there are 0 weights"):
+        espalier.pose.without_held(lattice, [])
 
 
 def test_collars_and_planes_of_symmetry():
