@@ -38,7 +38,7 @@ typedef struct espalier_fit_options {
     double strength;  ///< weight of smoothing relative to the targets, 1e-4 to 1e4; default 1e-3
     int64_t frozen_count;   ///< default 0
     const int32_t* frozen;  ///< vertices that do not move: frozen_count numbers
-    int32_t move_held;      ///< nonzero: vertices that the lattice holds may move, too; default 0
+    int64_t move_held;      ///< nonzero: vertices that the lattice holds may move, too; default 0
 } espalier_fit_options;
 
 static inline espalier_fit_options espalier_default_fit_options(void) {
@@ -98,7 +98,7 @@ typedef struct espalier_pull_options {
     double tolerance;        ///< the iteration ends when no vertex moves by more than this part of
                              ///< the diagonal of the lattice: 0 or more; default 1e-6
     int32_t max_iterations;  ///< 1 or more; default 500. For one frame of a drag 20 are enough
-    int32_t move_held;       ///< nonzero: vertices that the lattice holds may move, too; default 0
+    int64_t move_held;       ///< nonzero: vertices that the lattice holds may move, too; default 0
 } espalier_pull_options;
 
 static inline espalier_pull_options espalier_default_pull_options(void) {

@@ -39,7 +39,7 @@ namespace {
 
 /// Returns the vertices that a fit or a pull keeps.
 std::vector<Index> frozenOf(const Lattice& lattice, std::span<const std::int32_t> frozen,
-                            std::int32_t moveHeld) {
+                            std::int64_t moveHeld) {
     if (moveHeld == 0) return shapes::frozenWithHeld(lattice, frozen);
     return {frozen.begin(), frozen.end()};
 }

@@ -73,7 +73,35 @@ IS_AT(espalier_fit_options, undetermined, sizeof(size_t) + 4);
 IS_AT(espalier_fit_options, strength, sizeof(size_t) + 8);
 IS_AT(espalier_fit_options, frozen_count, sizeof(size_t) + 16);
 IS_AT(espalier_fit_options, frozen, sizeof(size_t) + 24);
+IS_AT(espalier_fit_options, move_held, sizeof(espalier_fit_options) - 8);
 static_assert(sizeof(espalier_fit_quality) == 24, "espalier_fit_quality cannot grow");
+
+IS_AT(espalier_pull_options, size, 0);
+IS_AT(espalier_pull_options, frozen_count, 8);
+IS_AT(espalier_pull_options, frozen, 16);
+IS_AT(espalier_pull_options, max_iterations, sizeof(espalier_pull_options) - 16);
+IS_AT(espalier_pull_options, move_held, sizeof(espalier_pull_options) - 8);
+
+/* The first versions of options that have grown. A field that was added begins at their end or
+ * after it: the padding at the end of a struct can hold anything. */
+typedef struct {
+    size_t size;
+    int32_t smoothing, undetermined;
+    double strength;
+    int64_t frozen_count;
+    const int32_t* frozen;
+} first_fit_options;
+static_assert(offsetof(espalier_fit_options, move_held) >= sizeof(first_fit_options), "fits");
+typedef struct {
+    size_t size;
+    int64_t frozen_count;
+    const int32_t* frozen;
+    int64_t pin_count;
+    const int32_t* pins;
+    double reach, tolerance;
+    int32_t max_iterations;
+} first_pull_options;
+static_assert(offsetof(espalier_pull_options, move_held) >= sizeof(first_pull_options), "pulls");
 
 IS_AT(espalier_limit_stencil_options, size, 0);
 IS_AT(espalier_limit_stencil_options, derivatives, sizeof(size_t));

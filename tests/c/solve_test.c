@@ -2,6 +2,8 @@
 /* Tests fitting, holding, validity, nested lattices, and tables in files. */
 
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
 #include "box.h"
 #include "check.h"
@@ -142,6 +144,61 @@ static void test_pull(void) {
             "lattice is null");
     INVALID(espalier_pull_create(lattice, BOX_VERTICES, rest, NULL, POINTS, NULL, NULL, &pull),
             "deformation is null");
+}
+
+/* Pulls and fits keep the vertices that the lattice holds, unless told otherwise; also those of
+ * programs that were compiled before there was `move_held`, with anything in the padding. */
+static void test_held(void) {
+    enum { ALL = 5 * 5 * 5, HELD = ALL - BOX_VERTICES };
+    espalier_lattice* with_collar;
+    espalier_collar_options collar = espalier_default_collar_options();
+    collar.layers = 1;
+    collar.reach = 1;
+    OK(espalier_lattice_create_collar(lattice, &collar, &with_collar));
+    double positions[3 * ALL], moved[3 * ALL];
+    OK(espalier_lattice_positions(with_collar, ALL, positions));
+    espalier_refiner* levels;
+    OK(espalier_refiner_create(with_collar, NULL, &levels));
+    espalier_binding* bound;
+    OK(espalier_binding_create(levels, ALL, positions, POINTS, points, NULL, &bound));
+    espalier_table* rows;
+    OK(espalier_binding_table(bound, &rows));
+
+    espalier_pull_options pulls[3];
+    memset(pulls, 0xff, sizeof pulls);
+    for (int i = 0; i < 3; ++i) {
+        espalier_pull_options defaults = espalier_default_pull_options();
+        defaults.reach = 1;
+        memcpy(&pulls[i], &defaults, offsetof(espalier_pull_options, max_iterations));
+        pulls[i].max_iterations = defaults.max_iterations;
+    }
+    pulls[0].size = offsetof(espalier_pull_options, move_held);
+    pulls[1].move_held = 0;
+    pulls[2].move_held = 1;
+    for (int i = 0; i < 3; ++i) {
+        espalier_pull* pull;
+        OK(espalier_pull_create(with_collar, ALL, positions, rows, POINTS, NULL, &pulls[i], &pull));
+        const int32_t* fixed;
+        int32_t count;
+        OK(espalier_pull_fixed(pull, &count, &fixed));
+        CHECK(count == (i < 2 ? HELD : 0));
+        espalier_pull_destroy(pull);
+    }
+
+    const double misses[3 * POINTS] = {0.1, 0, -0.2, 0, 0, 0};
+    for (int i = 0; i < 3; ++i) {
+        espalier_fit_options fit = espalier_default_fit_options();
+        if (i == 0) fit.size = offsetof(espalier_fit_options, move_held);
+        fit.move_held = i == 1 ? 0 : 1;
+        OK(espalier_lattice_fit(rows, with_collar, POINTS, NULL, misses, &fit, ALL, moved, NULL));
+        int moves_held = 0;
+        for (int k = 3 * BOX_VERTICES; k < 3 * ALL; ++k) moves_held |= moved[k] != 0;
+        CHECK(moves_held == (i == 2));
+    }
+    espalier_table_destroy(rows);
+    espalier_binding_destroy(bound);
+    espalier_refiner_destroy(levels);
+    espalier_lattice_destroy(with_collar);
 }
 
 /* Holds the side x = 0 of the box: its 9 vertices for positions, and the next layer for tangent
@@ -593,6 +650,7 @@ int main(int argc, char** argv) {
     set_up();
     test_fit();
     test_pull();
+    test_held();
     test_hold();
     test_validity();
     test_nested();

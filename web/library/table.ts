@@ -108,7 +108,7 @@ export class Table extends Handle {
           ["f64", real("strength", strength)],
           ["i64", frozen.length],
           ["pointer", scope.integers(frozen)],
-          ["i32", flag("moveHeld", moveHeld)],
+          ["i64", flag("moveHeld", moveHeld)],
         ]),
         vertexCount,
         displacements,
@@ -164,7 +164,7 @@ export class Table extends Handle {
           ["f64", real("reach", reach)],
           ["f64", real("tolerance", tolerance)],
           ["i32", integer("maxIterations", maxIterations)],
-          ["i32", flag("moveHeld", moveHeld)],
+          ["i64", flag("moveHeld", moveHeld)],
         ]),
       );
       return new Pull(this.library, pointer, vertexCount, rows.length);
