@@ -172,10 +172,12 @@ static inline espalier_collar_options espalier_default_collar_options(void) {
 /// Makes a lattice with layers of cells around the given one, whose outer vertices are held
 /// (espalier_lattice_held_weights(), espalier_lattice_fit()), so that its motion fades out: C² if
 /// two layers of vertices are held, C⁰ if one is. Vertices and cells of the lattice keep their
-/// numbers. No cell of the result is folded.
+/// numbers. No cell of the result is folded, except cells of the lattice that are folded without
+/// the collar.
 ///
-/// \retval ESPALIER_ERROR_INPUT an option is out of range, cells would fold or overlap (the message
-///         names a vertex), or the boundary of the lattice is not a manifold
+/// \retval ESPALIER_ERROR_INPUT an option is out of range, cells would fold, overlap or be thicker
+///         than twice the reach (the message names a vertex), or the boundary of the lattice is not
+///         a manifold
 ESPALIER_C_API espalier_status
 espalier_lattice_create_collar(const espalier_lattice* lattice,
                                const espalier_collar_options* options, espalier_lattice** result);

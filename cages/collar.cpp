@@ -6,15 +6,10 @@
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/cages/collar.h>
-#include <espalier/embed/embedding.h>
 #include <espalier/far/box_grid.h>
-#include <espalier/far/complex_builder.h>
-#include <espalier/limit/limit_parts.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/shapes/held.h>
-#include <espalier/shapes/new_vertices.h>
-#include <espalier/shapes/refiner_options.h>
-#include <espalier/solve/validity.h>
-#include <espalier/stencils/composition.h>
+#include <espalier/shapes/transform.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,16 +20,13 @@
 #include "collar_cells.h"
 #include "collar_extrusion.h"
 #include "collar_grid.h"
-#include "untangle.h"
+#include "collar_proof.h"
+#include "collar_reach.h"
 
 namespace espalier::cages {
 namespace {
 
-/// Level to which limit::LimitParts refines irregular features for the proof.
-constexpr int kLevelOfParts = 2;
-
 void check(const Lattice& lattice, const CollarOptions& options) {
-    constexpr int kMaxLayers = 100;
     if (lattice.complex.dimension() != 3 ||
         std::ssize(lattice.positions) != lattice.complex.count(0))
         throw Error("a collar needs a lattice of cells, with one position for each vertex");
@@ -42,8 +34,9 @@ void check(const Lattice& lattice, const CollarOptions& options) {
         for (const double coordinate : position)
             if (!std::isfinite(coordinate))
                 throw Error("a collar: a position of the lattice is not finite");
-    if (options.layers < 1 || options.layers > kMaxLayers)
-        throw ArgumentError("collar", "layers", std::to_string(options.layers), "1 to 100");
+    if (options.layers < 1 || options.layers > kMaxCollarLayers)
+        throw ArgumentError("collar", "layers", std::to_string(options.layers),
+                            concat("1 to ", kMaxCollarLayers));
     if (options.held < 0 || options.held > options.layers)
         throw ArgumentError("collar", "held", std::to_string(options.held),
                             concat("1 to the number of layers (", options.layers, ")"));
@@ -59,169 +52,45 @@ void check(const Lattice& lattice, const CollarOptions& options) {
             for (const double coordinate : corner)
                 if (!std::isfinite(coordinate))
                     throw ArgumentError("collar", "until", textOf(coordinate), "finite numbers");
+    if (options.symmetry && (options.symmetry->axis < 0 || options.symmetry->axis > 2))
+        throw ArgumentError("collar", "symmetry", std::to_string(options.symmetry->axis),
+                            "axis 0, 1 or 2");
+    shapes::requireHeldIsFree(lattice);
 }
 
-/// Adds the cells to the lattice.
-Lattice joined(const Lattice& lattice, const CollarCells& cells) {
-    std::vector<shapes::NewVertex> newVertices;
-    for (const CollarVertex& vertex : cells.vertices)
-        newVertices.push_back({vertex.position, {vertex.over}});
-    Lattice result = shapes::withNewVertices(lattice, newVertices);
-    far::ComplexBuilder builder(3, static_cast<Index>(result.positions.size()));
-    for (Index cell = 0; cell < lattice.complex.count(3); ++cell)
-        builder.addCell(far::outwardLoops(lattice.complex, CellId(cell)));
-    for (const auto& [bottom, top] : cells.prisms) {
-        const std::size_t n = bottom.size();
-        std::vector<std::vector<Index>> loops = {{bottom.rbegin(), bottom.rend()}, top};
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::size_t next = (i + 1) % n;
-            loops.push_back({bottom[i], bottom[next], top[next], top[i]});
-        }
-        builder.addCell(loops);
+/// Returns the distance of each outer vertex, as Collar::reach has them; 0 for the vertices that do
+/// not count.
+std::vector<double> outerDistances(const Lattice& lattice, const CollarCells& cells, int layers) {
+    if (!cells.isGrid) return distancesFromLattice(lattice, cells, layers);
+    std::vector<double> distances(cells.vertices.size(), 0.0);
+    for (std::size_t v = 0; v < cells.vertices.size(); ++v) {
+        const CollarVertex& vertex = cells.vertices[v];
+        if (vertex.layer == layers && vertex.isStraight)
+            distances[v] = length(difference(vertex.position, lattice.positions[vertex.over]));
     }
-    result.complex = builder.build();
-    const auto append = [](auto& marks, const auto& more) {
-        marks.insert(marks.end(), more.begin(), more.end());
-    };
-    append(result.marks.edges, cells.marks.edges);
-    append(result.marks.vertices, cells.marks.vertices);
-    return result;
+    return distances;
 }
 
-/// Removes folds from the cells by moving their vertices.
-/// \param wasBad per cell of the lattice
-void untangleCells(const Lattice& lattice, std::span<const char> wasBad, CollarCells& cells) {
-    const Lattice whole = joined(lattice, cells);
-    const far::CellComplex& complex = whole.complex;
-    const Index count = lattice.complex.count(0);
-    std::vector<VertexFreedom> freedoms(lattice.positions.size());
-    for (const CollarVertex& vertex : cells.vertices)
-        freedoms.push_back({true, vertex.planeNormal});
-    // An edge that folds have shortened gets half the length of the edge of the lattice that it is
-    // over.
-    const auto over = [&](Index vertex) {
-        return vertex < count ? vertex : cells.vertices[std::size_t(vertex - count)].over;
-    };
-    const double smallest = 1e-6 * BoundingBox(whole.positions).diagonal();
-    std::vector<double> lengths;
-    for (Index edge = 0; edge < complex.count(1); ++edge) {
-        const auto ends = complex.relation(1, 0)[edge];
-        const double now = length(difference(whole.positions[ends[0]], whole.positions[ends[1]]));
-        const double below =
-            length(difference(lattice.positions[over(ends[0])], lattice.positions[over(ends[1])]));
-        lengths.push_back(std::max({now, 0.5 * below, smallest}));
-    }
-    // The cells of the collar, and the good cells of the lattice next to them.
-    std::vector<char> isExamined(std::size_t(complex.count(3)), 0);
-    for (Index cell = lattice.complex.count(3); cell < complex.count(3); ++cell)
-        for (const Index vertex : complex.relation(3, 0)[cell])
-            for (const Index near : complex.relation(0, 3)[vertex])
-                isExamined[near] = near >= std::ssize(wasBad) || !wasBad[near];
-    std::vector<Point3> positions = whole.positions;
-    const far::TopologyRefiner base(complex, refinerOptions(whole));
-    untangle(positions, {base, freedoms, lengths, isExamined});
-    for (std::size_t v = 0; v < cells.vertices.size(); ++v)
-        cells.vertices[v].position = positions[std::size_t(count) + v];
+/// Returns the smallest and the largest distance above 0.
+std::array<double, 2> reachOf(std::span<const double> distances) {
+    std::array<double, 2> reach = {std::numeric_limits<double>::max(), 0};
+    for (const double distance : distances)
+        if (distance > 0) reach = {std::min(reach[0], distance), std::max(reach[1], distance)};
+    return reach;
 }
 
-/// The proof that a lattice with a collar has no folds and no overlaps.
-class Proof {
-public:
-    explicit Proof(const Lattice& before)
-        : before_(before), wasBad_(std::size_t(before.complex.count(3)), 0) {
-        const far::TopologyRefiner base(before.complex, refinerOptions(before));
-        for (const Index cell : solve::cellsBadAtRest(base, before.positions)) wasBad_[cell] = 1;
-    }
-
-    /// Tells for each cell of the lattice whether it was bad before.
-    std::span<const char> wasBad() const { return wasBad_; }
-
-    /// Cells that cannot be proved.
-    struct Failure {
-        std::vector<Index> vertices;  ///< vertices of the lattice near them; at least one
-        const char* what = "";
-    };
-
-    /// Returns nothing if all cells can be proved.
-    std::optional<Failure> failure(const Lattice& lattice, const CollarCells& cells) const {
-        const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-        const auto fails = [&](std::span<const Index> bad, const char* what) {
-            Failure failure{{}, what};
-            for (const Index cell : bad)
-                if (cell >= std::ssize(wasBad_) || !wasBad_[cell])
-                    for (const Index vertex : lattice.complex.relation(3, 0)[cell])
-                        failure.vertices.push_back(over(cells, vertex));
-            return failure.vertices.empty() ? std::nullopt : std::optional(std::move(failure));
-        };
-        if (auto failure = fails(solve::cellsBadAtRest(base, lattice.positions), "fold"))
-            return failure;
-        const limit::LimitParts parts(base, kLevelOfParts);
-        const solve::ValidityCheck check(parts, lattice.positions);
-        if (auto failure = fails(check.badAtRest(), "fold in the limit")) return failure;
-        return fails(overlaps(base, lattice), "overlap");
-    }
-
-private:
-    Index over(const CollarCells& cells, Index vertex) const {
-        const Index count = before_.complex.count(0);
-        return vertex < count ? vertex : cells.vertices[std::size_t(vertex - count)].over;
-    }
-
-    /// Returns the base cells with a vertex of level 1 on the outer boundary that is in a cell
-    /// apart.
-    std::vector<Index> overlaps(far::TopologyRefiner base, const Lattice& lattice) const {
-        base.refineUniform(1);
-        const far::CellComplex& complex = base.level(1).complex;
-        const auto positions = stencils::refinePositions(base, 1, lattice.positions);
-        const Index firstNewCell = before_.complex.count(3);
-        std::vector<char> isOuter(positions.size(), 0);
-        for (Index face = 0; face < complex.count(2); ++face) {
-            const auto owners = complex.relation(2, 3)[face];
-            if (owners.size() != 1 || solve::baseCellOf(base, 1, owners[0]) < firstNewCell)
-                continue;
-            for (const Index vertex : complex.relation(2, 0)[face]) isOuter[vertex] = 1;
-        }
-        std::vector<Index> outer;
-        std::vector<Point3> points;
-        for (std::size_t vertex = 0; vertex < positions.size(); ++vertex) {
-            if (!isOuter[vertex]) continue;
-            outer.push_back(static_cast<Index>(vertex));
-            points.push_back(positions[vertex]);
-        }
-        std::vector<Index> cells;
-        const embed::Embedding places = embed::embedPoints(complex, positions, points);
-        for (std::size_t i = 0; i < outer.size(); ++i) {
-            const auto& place = places.points[i].place;
-            if (!place) continue;
-            const auto own = complex.relation(0, 3)[outer[i]];
-            if (std::ranges::find(own, place->cell.value) != own.end()) continue;
-            cells.push_back(solve::baseCellOf(base, 1, own[0]));
-            cells.push_back(solve::baseCellOf(base, 1, place->cell.value));
-        }
-        return cells;
-    }
-
-    const Lattice& before_;
-    std::vector<char> wasBad_;  ///< per cell of the lattice
-};
-
-Collar finished(Lattice lattice, const CollarCells& cells, const CollarOptions& options) {
+/// \param before the lattice without the collar
+Collar finished(const Lattice& before, Lattice lattice, const CollarCells& cells,
+                const CollarOptions& options) {
     constexpr int kSmoothly = 2;
     const int heldLayers = options.held > 0 ? options.held : std::min(options.layers, kSmoothly);
     Collar result;
-    const auto first = std::ssize(lattice.positions) - std::ssize(cells.vertices);
-    result.reach = {std::numeric_limits<double>::max(), 0};
-    std::vector<Index> all = shapes::heldVertices(lattice);
-    // The new vertices have copies of the integers of the vertices that they are over.
-    std::erase_if(all, [&](Index vertex) { return vertex >= first; });
-    for (std::size_t v = 0; v < cells.vertices.size(); ++v) {
-        const CollarVertex& vertex = cells.vertices[v];
-        if (vertex.layer > options.layers - heldLayers)
-            result.held.push_back(static_cast<Index>(first + static_cast<Offset>(v)));
-        if (vertex.layer < options.layers || !vertex.isStraight) continue;
-        const double reach = length(difference(vertex.position, lattice.positions[vertex.over]));
-        result.reach = {std::min(result.reach[0], reach), std::max(result.reach[1], reach)};
-    }
+    result.reach = reachOf(outerDistances(before, cells, options.layers));
+    const auto first = static_cast<Index>(before.positions.size());
+    for (std::size_t v = 0; v < cells.vertices.size(); ++v)
+        if (cells.vertices[v].layer > options.layers - heldLayers)
+            result.held.push_back(first + static_cast<Index>(v));
+    std::vector<Index> all = shapes::heldVertices(before);
     all.insert(all.end(), result.held.begin(), result.held.end());
     shapes::setHeldVertices(lattice, all);
     result.continuity = heldLayers < kSmoothly ? embed::Continuity::C0 : embed::Continuity::C2;
@@ -238,106 +107,204 @@ std::optional<far::BoxGrid> gridOf(const far::CellComplex& complex) {
     }
 }
 
+/// Opens the ends of the lattice that are in a plane exactly.
+void openSidesInPlane(const Lattice& lattice, const shapes::SymmetryPlane& plane,
+                      std::array<bool, 6>& open) {
+    const auto axis = std::size_t(plane.axis);
+    const double at = plane.at.value_or(0);
+    const BoundingBox box(lattice.positions);
+    if (box.min[axis] == at) open[2 * axis] = true;
+    if (box.max[axis] == at) open[2 * axis + 1] = true;
+}
+
+/// Tells whether most cells have a negative volume.
+bool isMostlyInsideOut(const Lattice& lattice) {
+    const far::CellComplex& complex = lattice.complex;
+    Index positive = 0, negative = 0;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const Point3& origin = lattice.positions[complex.relation(3, 0)[cell][0]];
+        double volume = 0;
+        for (const auto& loop : far::outwardLoops(complex, CellId(cell))) {
+            std::vector<Point3> corners;
+            for (const Index vertex : loop)
+                corners.push_back(difference(lattice.positions[vertex], origin));
+            volume += dot(mean(corners), areaVector(corners));
+        }
+        positive += volume > 0;
+        negative += volume < 0;
+    }
+    return negative > positive;
+}
+
+/// Tries to make a collar in one way after the other, until one can be proved.
+class CollarAttempts {
+public:
+    CollarAttempts(const Lattice& lattice, const CollarOptions& options, const CollarProof& proof)
+        : lattice_(lattice), options_(options), proof_(proof) {}
+
+    /// Returns nothing if no collar can be proved; lastFailure() then tells why.
+    std::optional<Collar> best() {
+        const auto grid = gridOf(lattice_.complex);
+        if (!grid && options_.until)
+            throw ArgumentError("collar", "until", "",
+                                "a box lattice; set reach for a lattice of another shape");
+        if (grid)
+            if (auto result = asGrid(*grid)) return result;
+        if (options_.until) return std::nullopt;
+        return extruded(grid ? openFacesOfBox(lattice_, *grid, options_)
+                             : openFacesAtEnds(lattice_, options_.open));
+    }
+
+    const CollarProof::Failure& lastFailure() const { return *last_; }
+
+private:
+    std::optional<Collar> asGrid(const far::BoxGrid& grid) {
+        const auto cells = gridCollar(lattice_, grid, options_);
+        if (!cells) return std::nullopt;
+        if (auto result = attempt(*cells)) return result;
+        if (options_.until) return std::nullopt;
+        return attemptWithoutFolds(*cells);
+    }
+
+    std::optional<Collar> extruded(const OpenFaces& open) {
+        // Cells that fold or overlap get less room from try to try.
+        constexpr int kTries = 4;
+        constexpr double kLess = 0.6, kMuchLess = 0.4;
+        std::vector<double> parts(lattice_.positions.size(), 1);
+        for (int tried = 0; tried < kTries; ++tried) {
+            const CollarCells cells = extrudedCollar(lattice_, options_, open, parts);
+            if (tried == 0)
+                if (auto result = attempt(cells)) return result;
+            if (auto result = attemptWithoutFolds(cells)) return result;
+            if (last_->kind == CollarProof::FailureKind::TooThick) break;
+            const bool overlaps = last_->kind == CollarProof::FailureKind::Overlap;
+            std::vector<Index> near = last_->vertices;
+            sortUnique(near);
+            for (const Index vertex : near) parts[vertex] *= overlaps ? kMuchLess : kLess;
+        }
+        return std::nullopt;
+    }
+
+    std::optional<Collar> attempt(const CollarCells& cells) {
+        Lattice result = joined(lattice_, cells);
+        auto failure = proof_.failure(result, cells);
+        if (!failure) failure = tooThick(cells);
+        if (!failure) return finished(lattice_, std::move(result), cells, options_);
+        last_ = std::move(failure);
+        return std::nullopt;
+    }
+
+    /// Moves the vertices so that no cell folds, and tries the result.
+    std::optional<Collar> attemptWithoutFolds(const CollarCells& planned) {
+        constexpr int kRounds = 8;
+        constexpr double kMore = 8;
+        constexpr double kTether = 0.3, kTighter = 0.5;
+        CollarCells cells = planned;
+        std::vector<double> weights = weightsOf(joined(lattice_, planned).complex);
+        double tether = kTether;
+        for (int round = 0; round < kRounds; ++round) {
+            removeFolds(lattice_, weights, planned.vertices, tether, cells);
+            if (auto result = attempt(cells)) return result;
+            if (last_->kind == CollarProof::FailureKind::Overlap) break;
+            // Vertices that are too far away get shorter tethers, cells that still fold more
+            // weight.
+            if (last_->kind == CollarProof::FailureKind::TooThick)
+                tether *= kTighter;
+            else
+                for (const Index cell : last_->cells) weights[std::size_t(cell)] *= kMore;
+        }
+        return std::nullopt;
+    }
+
+    /// Returns the weight 1 for the cells of the collar and the good cells of the lattice next to
+    /// them, and 0 for the others.
+    std::vector<double> weightsOf(const far::CellComplex& complex) const {
+        std::vector<double> weights(std::size_t(complex.count(3)), 0.0);
+        const auto wasBad = proof_.wasBad();
+        for (Index cell = lattice_.complex.count(3); cell < complex.count(3); ++cell)
+            for (const Index vertex : complex.relation(3, 0)[cell])
+                for (const Index near : complex.relation(0, 3)[vertex])
+                    weights[std::size_t(near)] =
+                        near >= std::ssize(wasBad) || !wasBad[near] ? 1 : 0;
+        return weights;
+    }
+
+    /// Returns the outer vertices of a collar around a lattice that are too far away.
+    std::optional<CollarProof::Failure> tooThick(const CollarCells& cells) const {
+        constexpr double kMostReach = 2;
+        if (options_.until) return std::nullopt;
+        CollarProof::Failure failure{CollarProof::FailureKind::TooThick};
+        const auto distances = outerDistances(lattice_, cells, options_.layers);
+        for (std::size_t v = 0; v < distances.size(); ++v)
+            if (distances[v] > kMostReach * options_.reach)
+                failure.vertices.push_back(cells.vertices[v].over);
+        if (failure.vertices.empty()) return std::nullopt;
+        return failure;
+    }
+
+    const Lattice& lattice_;
+    const CollarOptions& options_;
+    const CollarProof& proof_;
+    std::optional<CollarProof::Failure> last_;  ///< of the last attempt
+};
+
+/// Returns the end of the message about a collar that cannot be made: options that work.
+std::string wayOut(const Lattice& lattice, const CollarOptions& options, const CollarProof& proof) {
+    if (options.until) return "; set reach instead of until, so that vertices can move";
+    const auto works = [&](int layers, double reach) {
+        CollarOptions other = options;
+        other.layers = layers;
+        other.reach = reach;
+        other.held = std::min(options.held, layers);
+        return CollarAttempts(lattice, other, proof).best().has_value();
+    };
+    for (int layers = options.layers / 2; layers > 0; layers /= 2)
+        if (works(layers, options.reach))
+            return concat("; a collar of ", layers, layers == 1 ? " layer" : " layers", " works");
+    for (const double factor : {0.5, 2.0})
+        if (works(options.layers, factor * options.reach))
+            return concat("; a collar with the reach ", textOf(factor * options.reach), " works");
+    return "; no collar with fewer layers, or with half or twice the reach, works either: make "
+           "the lattice coarser, or take a box around it";
+}
+
+Collar collarOf(const Lattice& lattice, const CollarOptions& options) {
+    const CollarProof proof(lattice);
+    CollarAttempts attempts(lattice, options, proof);
+    if (auto result = attempts.best()) return *result;
+    const CollarProof::Failure& failure = attempts.lastFailure();
+    const Index vertex = failure.mostFrequent();
+    throw Error(concat("a collar: cells would ", failure.text(), " near vertex ", vertex,
+                       " of the lattice at ", textOf(lattice.positions[vertex]),
+                       wayOut(lattice, options, proof)));
+}
+
 }  // namespace
 
-std::array<bool, 6> sidesOf(const std::string& word) {
+std::array<bool, 6> sidesOf(std::span<const std::string> words) {
     std::array<bool, 6> sides = {};
-    const auto known = std::ranges::find(kSideWords, word);
-    if (known != kSideWords.end()) {
-        sides[std::size_t(known - kSideWords.begin())] = true;
-        return sides;
+    for (const std::string& word : words) {
+        bool isKnown = false;
+        for (std::size_t side = 0; side < kSideWords.size(); ++side)
+            if (word == kSideWords[side] || word == kSideWords[side] + 1)
+                sides[side] = isKnown = true;
+        if (!isKnown)
+            throw ArgumentError("collar", "open", inQuotes(word),
+                                "an axis x, y or z, or one side of it, such as +x or -z");
     }
-    if (word.size() != 1 || word[0] < 'x' || word[0] > 'z')
-        throw ArgumentError("collar", "open", inQuotes(word),
-                            "an axis x, y or z, or one side of it, such as +x or -z");
-    const auto axis = std::size_t(word[0] - 'x');
-    sides[2 * axis] = sides[2 * axis + 1] = true;
     return sides;
 }
 
-std::array<bool, 6> sidesInPlane(const Lattice& lattice, int axis, double at) {
-    if (axis < 0 || axis > 2)
-        throw ArgumentError("sidesInPlane", "axis", std::to_string(axis), "0, 1 or 2");
-    const BoundingBox box(lattice.positions);
-    std::array<bool, 6> sides = {};
-    sides[2 * std::size_t(axis)] = box.min[std::size_t(axis)] == at;
-    sides[2 * std::size_t(axis) + 1] = box.max[std::size_t(axis)] == at;
-    return sides;
-}
-
-Point3 sideDirection(std::size_t side) {
-    Point3 direction = {0, 0, 0};
-    direction[side / 2] = side % 2 == 1 ? 1 : -1;
-    return direction;
-}
-
-std::vector<double> layerParts(int layers, double reach, double first) {
-    // The sum of the layers, q^0 + ... + q^(layers − 1), grows with q.
-    const auto total = [&](double q) {
-        double sum = 0;
-        for (int layer = 0; layer < layers; ++layer) sum += std::pow(q, layer);
-        return sum;
-    };
-    const double wanted = first > 0 ? reach / first : 0;
-    double low = 1, high = 1;
-    if (layers > 1 && std::isfinite(wanted) && wanted > total(1)) {
-        while (total(high) < wanted) high *= 2;
-        constexpr int kHalvings = 60;
-        for (int i = 0; i < kHalvings; ++i) {
-            const double middle = 0.5 * (low + high);
-            (total(middle) < wanted ? low : high) = middle;
-        }
-    }
-    std::vector<double> parts = {0};
-    double sum = 0;
-    const double all = total(low);
-    for (int layer = 0; layer < layers; ++layer) {
-        sum += std::pow(low, layer);
-        parts.push_back(layer + 1 == layers ? 1 : sum / all);
-    }
-    return parts;
-}
-
-Collar collar(const Lattice& lattice, const CollarOptions& options) {
-    check(lattice, options);
-    const Proof proof(lattice);
-    std::optional<Proof::Failure> failed;
-    const auto attempt = [&](const CollarCells& cells) -> std::optional<Collar> {
-        Lattice result = joined(lattice, cells);
-        failed = proof.failure(result, cells);
-        if (failed) return std::nullopt;
-        return finished(std::move(result), cells, options);
-    };
-    const auto grid = gridOf(lattice.complex);
-    if (grid) {
-        CollarCells cells = gridCollar(lattice, *grid, options);
-        if (auto result = attempt(cells)) return *result;
-        if (!options.until) {
-            untangleCells(lattice, proof.wasBad(), cells);
-            if (auto result = attempt(cells)) return *result;
-        }
-    }
-    if (!grid || !options.until) {
-        // Cells that fold or overlap get less room from try to try.
-        constexpr int kTries = 3;
-        constexpr double kLess = 0.6;
-        std::vector<double> parts(lattice.positions.size(), 1);
-        for (int tried = 0; tried < kTries; ++tried) {
-            CollarCells cells = extrudedCollar(lattice, options, parts);
-            if (tried == 0)
-                if (auto result = attempt(cells)) return *result;
-            untangleCells(lattice, proof.wasBad(), cells);
-            if (auto result = attempt(cells)) return *result;
-            sortUnique(failed->vertices);
-            for (const Index vertex : failed->vertices) parts[vertex] *= kLess;
-        }
-    }
-    const Index vertex = failed->vertices.front();
-    throw Error(concat(
-        "a collar: cells would ", failed->what, " near vertex ", vertex, " of the lattice at ",
-        textOf(lattice.positions[vertex]),
-        options.until ? "; give a reach instead of a box"
-                      : "; give a smaller reach, more layers, or a lattice without narrow gaps"));
+Collar collar(const Lattice& lattice, const CollarOptions& given) {
+    check(lattice, given);
+    CollarOptions options = given;
+    if (given.symmetry) openSidesInPlane(lattice, *given.symmetry, options.open);
+    if (!isMostlyInsideOut(lattice)) return collarOf(lattice, options);
+    Lattice right = lattice;
+    right.complex = shapes::insideOut(lattice.complex);
+    Collar result = collarOf(right, options);
+    result.lattice.complex = shapes::insideOut(result.lattice.complex);
+    return result;
 }
 
 }  // namespace espalier::cages

@@ -5,10 +5,12 @@
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/embed/continuity.h>
+#include <espalier/shapes/around.h>
 #include <espalier/shapes/lattice.h>
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,19 +22,17 @@ namespace espalier::cages {
 /// The directions −x, +x, −y, +y, −z, +z, and their words.
 inline constexpr std::array<const char*, 6> kSideWords = {"-x", "+x", "-y", "+y", "-z", "+z"};
 
-/// Returns, for each of kSideWords, whether a word names it. An axis without a sign, such as "z",
-/// names both of its directions.
+/// Returns, for each of kSideWords, whether one of the words names it. An axis without a sign, such
+/// as "z", names both of its directions.
 /// \throws ArgumentError of the field "open" for another word
-ESPALIER_API std::array<bool, 6> sidesOf(const std::string& word);
+ESPALIER_API std::array<bool, 6> sidesOf(std::span<const std::string> words);
 
-/// Returns, for each of kSideWords, whether the side of the box around a lattice is in the plane
-/// across an axis at a coordinate, exactly: the sides to leave open at a plane of symmetry.
-/// \param axis 0 to 2
-ESPALIER_API std::array<bool, 6> sidesInPlane(const Lattice& lattice, int axis, double at);
+/// Largest number of layers of a collar.
+inline constexpr int kMaxCollarLayers = 100;
 
 /// Options of collar(). Either `reach` or `until` is set.
 struct CollarOptions {
-    int layers = 3;  ///< layers of cells, 1 to 100
+    int layers = 3;  ///< layers of cells, 1 to kMaxCollarLayers
 
     /// Thickness of the collar, above 0, in the units of the lattice; 0: not set.
     double reach = 0;
@@ -46,6 +46,9 @@ struct CollarOptions {
     /// within 1 % of the extent from the farthest vertex. The collar around such a side continues
     /// its plane.
     std::array<bool, 6> open = {};
+
+    /// A plane of symmetry: ends of the lattice that are in this plane exactly are open, too.
+    std::optional<shapes::SymmetryPlane> symmetry = {};
 
     /// Number of outer layers of vertices that are held, at most `layers`. 0: two, or one if there
     /// is one layer of cells. Two give C² under subdivision; in an evenly divided box with a Bézier
@@ -65,8 +68,8 @@ struct Collar {
     /// True: the lattice is a box, and so is the result.
     bool isGrid = false;
 
-    /// The smallest and the largest distance of an outer vertex from the vertex of the lattice that
-    /// it is over. In a box lattice, vertices at edges and corners do not count.
+    /// The smallest and the largest distance of an outer vertex: if isGrid, from the vertex that it
+    /// is over, without the vertices at edges and corners; otherwise from the faces of the lattice.
     std::array<double, 2> reach = {};
 };
 
@@ -89,19 +92,29 @@ struct Collar {
 /// concave one, where second derivatives may not exist. The faces are moved outwards
 /// along the directions that all faces around a vertex see best, less far where other parts of the
 /// lattice face them; an optimization of the shapes of the cells removes folds (untangle.h).
+/// No outer vertex is farther from the faces of the lattice than twice the reach; at the corner of
+/// a cube the distance is √3 times the reach. It is shorter where other parts of the lattice face
+/// the vertex (Collar::reach).
 ///
 /// The layers grow by a constant factor, from the thickness of the cells at the boundary; if the
 /// reach is too small for growth, they are equally thick.
 ///
 /// The result is proved: cells of level 1 and parts of the limit of level 2 (solve::ValidityCheck)
-/// are free of folds, except cells of the lattice that were bad before; and no vertex of level 1 on
-/// the outer boundary is in another cell.
+/// are free of folds; and no boundary vertex of level 1 is in a cell that it is not a corner of.
+/// Cells of the lattice that fold without the collar may still fold, and cells of the lattice that
+/// overlap each other may still overlap. A lattice that is inside out as a whole, such as one whose
+/// positions were mirrored, gets a collar that is inside out, too.
 ///
-/// \throws ArgumentError for an option out of range, and for `until` around a lattice that is not
-///         such a box or not inside; Error if all sides are open; if an open side is not there; if
-///         the boundary is not a manifold, naming a vertex; and if cells of the collar would fold
-///         or overlap, naming a vertex of the lattice near the first one
-/// \cost O(n log n) in the cells for the collar of a box; O(boundary vertices²) for others
+/// \throws ArgumentError for an option out of range, for `until` around a lattice that is not
+///         such a box or not inside, and for an open direction that no side or two sides of a box
+///         face; Error if all sides are open; if an open end has no face; if the boundary is not a
+///         manifold, naming a vertex; if the lattice has other data with the name "held"
+///         (shapes/held.h); and if cells of the collar would fold, overlap or be too thick. The
+///         message names the vertex of the lattice near most of these cells, and a reach or a
+///         number of layers that works, if one was found.
+/// \cost O(n log n) in the cells for the collar of a box; O(boundary vertices²) for others. A
+///        refusal takes up to five times as long as a collar, because of the search for options
+///        that work.
 ESPALIER_API Collar collar(const Lattice& lattice, const CollarOptions& options);
 
 }  // namespace espalier::cages

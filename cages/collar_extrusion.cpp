@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collar_extrusion.h"
 
-#include <espalier/base/argument_error.h>
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
@@ -39,12 +38,9 @@ Point3 middleOf(std::span<const Point3> directions, const Point3& start) {
 
 class Extrusion {
 public:
-    Extrusion(const Lattice& lattice, const CollarOptions& options)
+    Extrusion(const Lattice& lattice, const CollarOptions& options, const OpenFaces& open)
         : lattice_(lattice), options_(options) {
-        if (options.until)
-            throw ArgumentError("collar", "until", "",
-                                "a box lattice; set reach for a lattice of another shape");
-        findFaces();
+        findFaces(open);
         requireManifold();
         position_.reserve(vertices_.size());
         for (const Index vertex : vertices_) position_.push_back(lattice.positions[vertex]);
@@ -121,14 +117,11 @@ private:
     }
 
     /// Finds the faces that are extruded, their vertices, and the planes of open sides.
-    void findFaces() {
+    void findFaces(const OpenFaces& open) {
         const far::CellComplex& complex = lattice_.complex;
         isExtruded_.assign(std::size_t(complex.count(2)), 0);
         for (Index face = 0; face < complex.count(2); ++face)
-            isExtruded_[face] = complex.relation(2, 3)[face].size() == 1;
-        std::vector<Point3> planeAt(lattice_.positions.size());
-        for (std::size_t side = 0; side < 6; ++side)
-            if (options_.open[side]) open(side, planeAt);
+            isExtruded_[face] = complex.relation(2, 3)[face].size() == 1 && !open.isOpen[face];
         std::vector<Index> newNumber(lattice_.positions.size(), -1);
         for (Index face = 0; face < complex.count(2); ++face) {
             if (!isExtruded_[face]) continue;
@@ -137,7 +130,7 @@ private:
                 if (newNumber[vertex] < 0) {
                     newNumber[vertex] = static_cast<Index>(vertices_.size());
                     vertices_.push_back(vertex);
-                    planes_.push_back(planeAt[vertex]);
+                    planes_.push_back(open.planesAt[vertex]);
                 }
                 vertex = newNumber[vertex];
             }
@@ -151,26 +144,6 @@ private:
         const auto faces = lattice_.complex.relation(3, 2)[cell];
         const auto at = std::ranges::find(faces, face) - faces.begin();
         return far::outwardLoops(lattice_.complex, CellId(cell))[std::size_t(at)];
-    }
-
-    void open(std::size_t side, std::vector<Point3>& planeAt) {
-        const Point3 direction = sideDirection(side);
-        const auto isEnd = shapes::selectEnd(lattice_.positions, direction);
-        bool found = false;
-        for (Index face = 0; face < lattice_.complex.count(2); ++face) {
-            const auto loop = lattice_.complex.relation(2, 0)[face];
-            if (!isExtruded_[face] ||
-                !std::ranges::all_of(loop, [&](Index vertex) { return isEnd[vertex] > 0; }))
-                continue;
-            isExtruded_[face] = 0;
-            found = true;
-            for (const Index vertex : loop) planeAt[vertex] = direction;
-        }
-        if (!found)
-            throw Error(
-                concat("a collar: the lattice has no boundary face whose vertices all are "
-                       "at its end ",
-                       kSideWords[side], ", so that this side cannot stay open"));
     }
 
     void requireManifold() const {
@@ -226,7 +199,7 @@ private:
             std::vector<Point3> around;
             Point3 total = {};
             for (const std::size_t face : facesAt_[v]) {
-                const Point3 normal = inPlane(v, normals[face]);
+                const Point3 normal = planes_[v].inPlanes(normals[face]);
                 if (!(dot(normal, normal) > 1e-12)) continue;
                 around.push_back(normalised(normal));
                 total = sum(total, around.back());
@@ -238,10 +211,6 @@ private:
             steps[v] = scaled(direction, std::min(kLongest, 1 / std::max(least, 0.1)));
         }
         return steps;
-    }
-
-    Point3 inPlane(std::size_t v, const Point3& vector) const {
-        return difference(vector, scaled(planes_[v], dot(vector, planes_[v])));
     }
 
     /// Returns the reach of each vertex. Where parts of the lattice face each other, the vertices
@@ -283,7 +252,7 @@ private:
     const CollarOptions& options_;
     std::vector<std::uint8_t> isExtruded_;  ///< per face of the lattice
     std::vector<Index> vertices_;           ///< of the extruded faces
-    std::vector<Point3> planes_;            ///< CollarVertex::planeNormal of each
+    std::vector<PlaneNormals> planes_;      ///< CollarVertex::planes of each
     std::vector<Loop> loops_;               ///< the extruded faces, over vertices_
     std::vector<std::vector<Index>> neighbours_;
     std::vector<std::vector<std::size_t>> facesAt_;
@@ -292,9 +261,36 @@ private:
 
 }  // namespace
 
+OpenFaces openFacesAtEnds(const Lattice& lattice, const std::array<bool, 6>& open) {
+    const far::CellComplex& complex = lattice.complex;
+    OpenFaces result{std::vector<char>(std::size_t(complex.count(2)), 0),
+                     std::vector<PlaneNormals>(lattice.positions.size())};
+    for (std::size_t side = 0; side < 6; ++side) {
+        if (!open[side]) continue;
+        const Point3 direction = sideDirection(side);
+        const auto isEnd = shapes::selectEnd(lattice.positions, direction);
+        bool found = false;
+        for (Index face = 0; face < complex.count(2); ++face) {
+            const auto loop = complex.relation(2, 0)[face];
+            if (complex.relation(2, 3)[face].size() != 1 ||
+                !std::ranges::all_of(loop, [&](Index vertex) { return isEnd[vertex] > 0; }))
+                continue;
+            result.isOpen[face] = 1;
+            found = true;
+            for (const Index vertex : loop) result.planesAt[vertex].add(direction);
+        }
+        if (!found)
+            throw Error(
+                concat("a collar: the lattice has no boundary face whose vertices all are "
+                       "at its end ",
+                       kSideWords[side], ", so that this side cannot stay open"));
+    }
+    return result;
+}
+
 CollarCells extrudedCollar(const Lattice& lattice, const CollarOptions& options,
-                           std::span<const double> parts) {
-    return Extrusion(lattice, options).cells(parts);
+                           const OpenFaces& open, std::span<const double> parts) {
+    return Extrusion(lattice, options, open).cells(parts);
 }
 
 }  // namespace espalier::cages

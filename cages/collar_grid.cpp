@@ -17,6 +17,8 @@ namespace {
 
 using GridPoint = std::array<Index, 3>;
 
+constexpr std::size_t kNowhere = 6;
+
 /// A side of the lattice: the grid points whose coordinate on an axis is 0 or the largest.
 struct GridSide {
     std::size_t axis = 0;
@@ -24,7 +26,8 @@ struct GridSide {
     bool isOpen = false;
     Point3 normal = {};         ///< mean, of length 1, outwards
     Point3 direction = {};      ///< of the collar, of length 1
-    std::size_t facing = 0;     ///< the number of the coordinate direction that it faces best
+    std::size_t facing = 0;     ///< the number of the coordinate direction that it faces best, or
+                                ///< kNowhere if it has no area
     std::vector<double> parts;  ///< layerParts()
 };
 
@@ -41,16 +44,38 @@ public:
             side.facing = facingOf(side.normal);
         }
         openSides();
-        if (options.until)
-            requireBox();
-        else
-            straighten();
-        for (GridSide& side : sides_)
-            if (!side.isOpen)
-                side.parts = layerParts(options.layers, meanReach(side), meanThickness(side));
     }
 
-    CollarCells cells() {
+    /// Returns the boundary faces of the open sides.
+    OpenFaces openFaces() const {
+        const far::CellComplex& complex = lattice_.complex;
+        OpenFaces result{std::vector<char>(std::size_t(complex.count(2)), 0),
+                         std::vector<PlaneNormals>(lattice_.positions.size())};
+        for (const GridSide& side : sides_) {
+            if (!side.isOpen) continue;
+            std::vector<char> isAt(lattice_.positions.size(), 0);
+            forEachPoint(side, [&](const GridPoint& at) {
+                const Index vertex = grid_.vertexAt(at);
+                isAt[vertex] = 1;
+                result.planesAt[vertex].add(side.normal);
+            });
+            for (Index face = 0; face < complex.count(2); ++face)
+                if (std::ranges::all_of(complex.relation(2, 0)[face],
+                                        [&](Index vertex) { return isAt[vertex] != 0; }))
+                    result.isOpen[face] = 1;
+        }
+        return result;
+    }
+
+    /// Returns nothing if a side has no direction to grow in.
+    std::optional<CollarCells> cells() {
+        if (options_.until)
+            requireBox();
+        else if (!straighten())
+            return std::nullopt;
+        for (GridSide& side : sides_)
+            if (!side.isOpen)
+                side.parts = layerParts(options_.layers, meanReach(side), meanThickness(side));
         CollarCells result;
         result.isGrid = true;
         GridPoint low = {}, high = grid_.cells;
@@ -142,59 +167,82 @@ private:
             total = sum(total, areaVector(loop));
         });
         const bool isOutwards = side.isUpper != (order_[0] == 1);
-        if (!(dot(total, total) > 0))
-            throw Error("a collar: a side of the box lattice has no area");
+        if (!(dot(total, total) > 0)) return {0, 0, 0};
         return scaled(normalised(total), isOutwards ? 1 : -1);
     }
 
+    /// Returns the mean of the vertices of a side.
+    Point3 middleOf(const GridSide& side) const {
+        std::vector<Point3> positions;
+        forEachPoint(side, [&](const GridPoint& at) { positions.push_back(positionAt(at)); });
+        return mean(positions);
+    }
+
     static std::size_t facingOf(const Point3& normal) {
+        if (!(dot(normal, normal) > 0)) return kNowhere;
         std::size_t best = 0;
         for (std::size_t side = 1; side < 6; ++side)
             if (dot(normal, sideDirection(side)) > dot(normal, sideDirection(best))) best = side;
         return best;
     }
 
+    /// Returns how well a side faces one of kSideWords: the cosine of the angle.
+    static double facing(const GridSide& side, std::size_t direction) {
+        return dot(side.normal, sideDirection(direction));
+    }
+
     void openSides() {
+        constexpr double kLeastFacing = 0.5, kAlike = 0.02;
         for (std::size_t open = 0; open < 6; ++open) {
             if (!options_.open[open]) continue;
-            const auto side = std::ranges::find(sides_, open, &GridSide::facing);
-            if (side == sides_.end())
-                throw ArgumentError("collar", "open", kSideWords[open],
-                                    "a direction that a side of the lattice faces");
+            const auto isLess = [&](const GridSide& a, const GridSide& b) {
+                return facing(a, open) < facing(b, open);
+            };
+            const auto refuse = [&](const std::string& expected) {
+                throw ArgumentError("collar", "open", kSideWords[open], expected);
+            };
+            const auto side = std::max_element(sides_.begin(), sides_.end(), isLess);
+            if (!(facing(*side, open) > kLeastFacing))
+                refuse("a direction that a side of the lattice faces");
+            for (auto other = sides_.begin(); other != sides_.end(); ++other)
+                if (other != side && facing(*other, open) > facing(*side, open) - kAlike)
+                    refuse(
+                        concat("a direction that one side of the lattice faces; two sides face "
+                               "it, with their middles at ",
+                               textOf(middleOf(*side)), " and ", textOf(middleOf(*other)),
+                               ": turn the lattice, or leave this direction out"));
+            if (side->isOpen)
+                refuse(concat(
+                    "two directions, each of a side of its own; the side with its middle "
+                    "at ",
+                    textOf(middleOf(*side)), " faces this one and another: leave one of them out"));
             side->isOpen = true;
         }
         if (std::ranges::all_of(sides_, [](const GridSide& side) { return side.isOpen; }))
             throw Error("a collar: all six sides of the lattice are open; leave one of them out");
     }
 
-    /// Makes the direction of each side perpendicular to the open sides next to it.
-    void straighten() {
-        constexpr double kParallel = 1e-6;
+    /// Makes the direction of each side perpendicular to the open sides next to it. Returns false
+    /// if a side is nearly parallel to an open one, or has no area.
+    bool straighten() {
         for (GridSide& side : sides_) {
             if (side.isOpen) continue;
-            std::vector<Point3> normals;
-            for (const GridSide& open : sides_) {
-                if (!open.isOpen || open.axis == side.axis) continue;
-                Point3 normal = open.normal;
-                for (const Point3& other : normals)
-                    normal = difference(normal, scaled(other, dot(normal, other)));
-                if (length(normal) > kParallel) normals.push_back(normalised(normal));
-            }
-            for (const Point3& normal : normals)
-                side.direction =
-                    difference(side.direction, scaled(normal, dot(side.direction, normal)));
-            if (!(length(side.direction) > 0.5))
-                throw Error(concat("a collar: the side that faces ", kSideWords[side.facing],
-                                   " is nearly parallel to an open side, so that it has no "
-                                   "direction to grow in"));
+            PlaneNormals planes;
+            for (const GridSide& open : sides_)
+                if (open.isOpen && open.axis != side.axis) planes.add(open.normal);
+            side.direction = planes.inPlanes(side.direction);
+            if (!(length(side.direction) > 0.5)) return false;
             side.direction = normalised(side.direction);
         }
+        return true;
     }
 
     /// Lets the sides grow along the axes, to the box of CollarOptions::until.
     void requireBox() {
         std::array<bool, 6> isFaced = {};
         for (GridSide& side : sides_) {
+            if (side.facing == kNowhere)
+                throw Error("a collar: a side of the box lattice has no area");
             if (std::exchange(isFaced[side.facing], true))
                 throw ArgumentError("collar", "until", "",
                                     concat("a lattice whose six sides face the six directions of "
@@ -254,7 +302,7 @@ private:
                                               : nearest[side.axis] - at[side.axis];
             const bool isEnd = nearest[side.axis] == (side.isUpper ? grid_.cells[side.axis] : 0);
             if (beyond <= 0) {
-                if (side.isOpen && isEnd) vertex.planeNormal = side.normal;
+                if (side.isOpen && isEnd) vertex.planes.add(side.normal);
                 continue;
             }
             ++axes;
@@ -298,8 +346,13 @@ private:
 
 }  // namespace
 
-CollarCells gridCollar(const Lattice& lattice, const far::BoxGrid& grid,
-                       const CollarOptions& options) {
+OpenFaces openFacesOfBox(const Lattice& lattice, const far::BoxGrid& grid,
+                         const CollarOptions& options) {
+    return GridCollar(lattice, grid, options).openFaces();
+}
+
+std::optional<CollarCells> gridCollar(const Lattice& lattice, const far::BoxGrid& grid,
+                                      const CollarOptions& options) {
     return GridCollar(lattice, grid, options).cells();
 }
 

@@ -4,9 +4,19 @@
 #include <espalier/far/box_grid.h>
 #include <espalier/shapes/lattice.h>
 
+#include <optional>
+
 #include "collar_cells.h"
 
 namespace espalier::cages {
+
+/// Returns the boundary faces of the open sides of a box lattice. The plane of a side is across its
+/// mean normal.
+/// \throws ArgumentError if no side faces an open direction, or two sides do; Error if all sides
+/// are
+///         open
+OpenFaces openFacesOfBox(const Lattice& lattice, const far::BoxGrid& grid,
+                         const CollarOptions& options);
 
 /// Returns the cells that make a box lattice a larger box.
 ///
@@ -17,9 +27,13 @@ namespace espalier::cages {
 /// are spanned by translations. With CollarOptions::until, the direction is a coordinate axis, and
 /// ends in the box.
 ///
-/// \throws ArgumentError for `until` around sides that do not face the axes, or beyond the box;
-///         Error if all sides are open, or no side faces an open direction
-CollarCells gridCollar(const Lattice& lattice, const far::BoxGrid& grid,
-                       const CollarOptions& options);
+/// \return nothing if a side has no direction to grow in, since it has no area or is nearly
+/// parallel
+///         to an open side
+/// \throws as openFacesOfBox(); ArgumentError for `until` around sides that do not face the axes,
+/// or
+///         beyond the box; Error for `until` around a side without area
+std::optional<CollarCells> gridCollar(const Lattice& lattice, const far::BoxGrid& grid,
+                                      const CollarOptions& options);
 
 }  // namespace espalier::cages

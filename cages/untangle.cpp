@@ -30,6 +30,7 @@ std::size_t axisOf(std::size_t corner, std::size_t end) {
 struct CellCorner {
     std::array<Index, 4> vertices = {};
     std::array<double, 3> lengths = {};  ///< desired lengths of the three edges
+    double weight = 1;
 };
 
 using Edges = std::array<Point3, 3>;
@@ -49,7 +50,8 @@ std::vector<CellCorner> cornersOf(const far::TopologyRefiner& refiner, const Tan
     const Index vertexCount = refiner.level(0).complex.count(0);
     std::vector<CellCorner> corners;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
-        if (!cells.isExamined[solve::baseCellOf(refiner, 1, cell)]) continue;
+        const double weight = cells.weights[std::size_t(solve::baseCellOf(refiner, 1, cell))];
+        if (!(weight > 0)) continue;
         const auto vertices = far::hexahedronVertices(complex, CellId(cell));
         if (!vertices) continue;
         // The vertex of level 0 is the lowest. The other ends of its edges are in the middle of
@@ -64,6 +66,7 @@ std::vector<CellCorner> cornersOf(const far::TopologyRefiner& refiner, const Tan
         }
         for (std::size_t corner = 0; corner < 8; ++corner) {
             CellCorner& added = corners.emplace_back();
+            added.weight = weight;
             added.vertices[0] = (*vertices)[corner];
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::size_t end = far::kHexahedronNeighbours[corner][i];
@@ -106,8 +109,8 @@ double energyOf(std::span<const CellCorner> corners, double epsilon,
         const double inverse = 1 / (chi * chi);
         const double energy = stretch + shrink * inverse;
         // The square makes the worst corners count most.
-        total += energy * energy;
-        const double byEnergy = 2 * energy;
+        total += corner.weight * energy * energy;
+        const double byEnergy = corner.weight * 2 * energy;
         const double byDeterminant = -2 * shrink * inverse / chi * slope;
         for (std::size_t i = 0; i < 3; ++i) {
             // Cofactor i is edge i + 1 times edge i + 2.
@@ -124,6 +127,16 @@ double energyOf(std::span<const CellCorner> corners, double epsilon,
         }
     }
     return total;
+}
+
+/// Returns the energy of a vertex on a tether and adds its gradient.
+double tetherEnergy(const Point3& way, double tether, Point3& gradient) {
+    // A corner without distortion has the energy 36; a vertex of a grid is in 64 corners of level 1
+    // near it. At the length of the tether, the vertex costs as much as all of them.
+    constexpr double kWeight = 36 * 64;
+    const double square = dot(way, way) / (tether * tether);
+    gradient = sum(gradient, scaled(way, 4 * kWeight * square / (tether * tether)));
+    return kWeight * square * square;
 }
 
 }  // namespace
@@ -153,7 +166,7 @@ bool untangle(std::vector<Point3>& positions, const TangledCells& cells) {
         if (smallest > 0) ++polished;
         const Energy energy = [&](std::span<const Point3> at, std::span<Point3> gradient) {
             std::fill(slopes.begin(), slopes.end(), Point3{0, 0, 0});
-            const double total = energyOf(corners, epsilon, refined(at), slopes);
+            double total = energyOf(corners, epsilon, refined(at), slopes);
             std::fill(gradient.begin(), gradient.end(), Point3{0, 0, 0});
             for (Index row = 0; row < table.rowCount(); ++row) {
                 const auto columns = table.columns(row);
@@ -164,10 +177,12 @@ bool untangle(std::vector<Point3>& positions, const TangledCells& cells) {
                 }
             }
             for (std::size_t v = 0; v < gradient.size(); ++v) {
-                const auto& [isFree, normal] = cells.freedoms[v];
+                const VertexFreedom& freedom = cells.freedoms[v];
+                if (freedom.tether > 0)
+                    total +=
+                        tetherEnergy(difference(at[v], freedom.home), freedom.tether, gradient[v]);
                 gradient[v] =
-                    isFree ? difference(gradient[v], scaled(normal, dot(gradient[v], normal)))
-                           : Point3{0, 0, 0};
+                    freedom.isFree ? freedom.planes.inPlanes(gradient[v]) : Point3{0, 0, 0};
             }
             return total;
         };

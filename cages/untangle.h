@@ -8,13 +8,20 @@
 #include <span>
 #include <vector>
 
+#include "plane_normals.h"
+
 // Moves vertices of a lattice until no corner of a refined cell is folded.
 namespace espalier::cages {
 
 /// How a vertex may move.
 struct VertexFreedom {
     bool isFree = false;
-    Point3 planeNormal = {0, 0, 0};  ///< the unit normal of the plane to stay in, or zero
+    PlaneNormals planes = {};
+
+    /// Above 0: the energy grows by the fourth power of the distance from `home`, divided by this
+    /// length. 0: the vertex may go far away.
+    double tether = 0;
+    Point3 home = {};
 };
 
 /// The cells to untangle.
@@ -22,7 +29,7 @@ struct TangledCells {
     const far::TopologyRefiner& base;         ///< a lattice at level 0
     std::span<const VertexFreedom> freedoms;  ///< one per vertex
     std::span<const double> lengths;          ///< the desired length of each edge, above 0
-    std::span<const char> isExamined;         ///< per cell; the other cells may fold
+    std::span<const double> weights;          ///< of the energy of each cell; 0: it may fold
 };
 
 /// Moves the free vertices so that all corners of the hexahedra of level 1 have a positive volume,

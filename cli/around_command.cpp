@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -74,21 +73,21 @@ void runAround(const AroundCommandOptions& options) {
     job.writesLattice(options.output);
     Stages& stages = job.stages();
     const std::vector<Point3> points = readPoints(options, stages);
-    double margin = shape.margin;
-    const WithCollar made = ofFile(options.models.front(), [&] {
-        Lattice box =
-            stages.run("building", [&] { return shapes::around(points, shape, &margin); });
-        std::array<bool, 6> open = {};
-        if (shape.symmetry)
-            open = cages::sidesInPlane(box, shape.symmetry->axis, shape.symmetry->at.value_or(0));
-        return withCollar(std::move(box), options.collar, stages, open);
+    shapes::AroundFacts facts;
+    WithCollar made = ofFile(options.models.front(), [&] {
+        Lattice box = stages.run("building", [&] { return shapes::around(points, shape, &facts); });
+        return withCollar(std::move(box), options.collar, stages, shape.symmetry);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
-    if (options.common.quiet) return;
-    fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
-               made.lattice.complex.count(0), made.lattice.complex.count(3), points.size());
-    if (margin != shape.margin) fmt::print(", with the margin widened to {:.2g}", margin);
-    fmt::print("{}\n", made.text);
+    made.facts.push_back(fmt::format("all {} points inside", points.size()));
+    if (facts.margin != shape.margin)
+        made.facts.back() += fmt::format(", with the margin widened to {:.2g}", facts.margin);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (facts.cells[axis] != facts.wanted[axis])
+            made.facts.push_back(
+                fmt::format("{} cells along {} instead of {}, for faces in the "
+                            "plane of symmetry",
+                            facts.cells[axis], "xyz"[axis], facts.wanted[axis]));
+    writeWithCollar(options.output, made, options.common, stages);
 }
 
 }  // namespace

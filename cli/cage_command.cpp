@@ -46,18 +46,15 @@ void runCage(const CageCommandOptions& options) {
         points.insert(points.end(), model->positions().begin(), model->positions().end());
     }
     cages::ModelSymmetry symmetry;
-    const WithCollar made = ofFile(options.models.front(), [&] {
+    WithCollar made = ofFile(options.models.front(), [&] {
         Lattice cage = stages.run("building", [&] {
             return cages::cage({points, faces.corners, faces.ends}, options.cage, &symmetry);
         });
         return withCollar(std::move(cage), options.collar, stages);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
-    if (options.common.quiet) return;
-    const std::string text = cages::symmetryText(symmetry);
-    fmt::print("{}: {} vertices, {} cells{}{}{}\n", printable(options.output),
-               made.lattice.complex.count(0), made.lattice.complex.count(3),
-               text.empty() ? "" : "; ", text, made.text);
+    if (const std::string text = cages::symmetryText(symmetry); !text.empty())
+        made.facts.push_back(text);
+    writeWithCollar(options.output, made, options.common, stages);
 }
 
 }  // namespace

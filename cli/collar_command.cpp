@@ -45,10 +45,7 @@ void runCollar(const CollarOfLattice& options) {
     const WithCollar made = ofFile(options.lattice, [&] {
         return withCollar(readLattice(options.lattice, stages), options.collar, stages);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, made.lattice); });
-    if (!options.common.quiet)
-        fmt::print("{}: {} vertices, {} cells{}\n", printable(options.output),
-                   made.lattice.complex.count(0), made.lattice.complex.count(3), made.text);
+    writeWithCollar(options.output, made, options.common, stages);
 }
 
 }  // namespace
@@ -56,7 +53,6 @@ void runCollar(const CollarOfLattice& options) {
 void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOptions& common,
                       const std::string& layers, bool isRequired) {
     collar.common = &common;
-    constexpr int kMaxLayers = 100;
     CLI::Option* const count =
         command
             .add_option(layers, collar.layers,
@@ -65,7 +61,7 @@ void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOpt
                                                  "layers") +
                             " of cells whose outer vertices are held, so that motion fades out. "
                             "One layer: C0; two or more: C2")
-            ->check(inRange(1, kMaxLayers, true))
+            ->check(inRange(1, cages::kMaxCollarLayers, true))
             ->type_name("LAYERS");
     CLI::Option* const reach =
         command
@@ -102,7 +98,7 @@ void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOpt
             ->check(CLI::Validator(
                 [](std::string& word) {
                     try {
-                        cages::sidesOf(word);
+                        cages::sidesOf({&word, 1});
                         return std::string();
                     } catch (const ArgumentError&) {
                         return "expected an axis x, y or z, or one side of it, such as +x or -z, "
@@ -117,7 +113,7 @@ void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOpt
             .add_option("--held", collar.held,
                         "Number of outer layers of vertices that are held; by default two, or one "
                         "if there is one layer of cells")
-            ->check(inRange(1, kMaxLayers, true))
+            ->check(inRange(1, cages::kMaxCollarLayers, true))
             ->type_name("LAYERS");
     if (isRequired)
         count->required();
@@ -127,20 +123,18 @@ void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOpt
 }
 
 WithCollar withCollar(Lattice lattice, const CollarCommandOptions& collar, Stages& stages,
-                      const std::array<bool, 6>& open) {
-    if (!collar.layers) return {std::move(lattice), ""};
-    cages::CollarOptions options{.layers = *collar.layers, .open = open, .held = collar.held};
-    options.until = boxOf(collar, stages);
-    if (!collar.reach.empty()) options.reach = lengthOf(collar.reach)->in(lattice);
-    if (!options.until && collar.reach.empty())
+                      const std::optional<shapes::SymmetryPlane>& symmetry) {
+    if (!collar.layers) return {std::move(lattice), {}, ""};
+    if (!collar.until && collar.untilModel.empty() && collar.reach.empty())
         throw CLI::ValidationError(
             "--reach, --until or --until-model is required: how far the "
             "collar reaches");
-    for (const std::string& word : collar.open) {
-        const auto sides = cages::sidesOf(word);
-        for (std::size_t side = 0; side < sides.size(); ++side)
-            options.open[side] = options.open[side] || sides[side];
-    }
+    cages::CollarOptions options{.layers = *collar.layers,
+                                 .until = boxOf(collar, stages),
+                                 .open = cages::sidesOf(collar.open),
+                                 .symmetry = symmetry,
+                                 .held = collar.held};
+    if (!collar.reach.empty()) options.reach = lengthOf(collar.reach)->in(lattice);
     cages::Collar result =
         stages.run("adding the collar", [&] { return cages::collar(lattice, options); });
     const auto [least, most] = result.reach;
@@ -148,10 +142,21 @@ WithCollar withCollar(Lattice lattice, const CollarCommandOptions& collar, Stage
     if (least < 0.999 * most) reach = fmt::format("{:.4g} to {}", least, reach);
     return {
         std::move(result.lattice),
-        fmt::format("; a collar of {} {} and {} held vertices reaches {} away, {}{}",
-                    options.layers, options.layers == 1 ? "layer" : "layers", result.held.size(),
-                    reach, result.continuity == embed::Continuity::C0 ? "c0" : "c2",
+        {},
+        fmt::format("a collar of {} {} and {} held vertices reaches {} away, {}{}", options.layers,
+                    options.layers == 1 ? "layer" : "layers", result.held.size(), reach,
+                    result.continuity == embed::Continuity::C0 ? "c0" : "c2",
                     result.isGrid ? "" : "; irregular edges on the old boundary")};
+}
+
+void writeWithCollar(const std::string& path, const WithCollar& made, const CommonOptions& common,
+                     Stages& stages) {
+    stages.run("writing", [&] { io::writeLattice(path, made.lattice); });
+    if (common.quiet) return;
+    fmt::print("{}: {} vertices, {} cells", printable(path), made.lattice.complex.count(0),
+               made.lattice.complex.count(3));
+    for (const std::string& fact : made.facts) fmt::print("; {}", fact);
+    fmt::print("{}{}\n", made.collar.empty() ? "" : "; ", made.collar);
 }
 
 void addCollarCommand(CLI::App& shape) {

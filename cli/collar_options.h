@@ -31,16 +31,19 @@ struct CollarCommandOptions {
 void addCollarOptions(CLI::App& command, CollarCommandOptions& collar, CommonOptions& common,
                       const std::string& layers, bool isRequired);
 
-/// A lattice with its collar, and the end of the line about it: "; collar of 3 layers ...".
+/// A lattice, perhaps with a collar, and what the line about it says.
 struct WithCollar {
     Lattice lattice;
-    std::string text;
+    std::vector<std::string> facts;  ///< about the lattice without the collar
+    std::string collar;              ///< "a collar of 3 layers ..."; empty if there is none
 };
 
 /// Adds the collar to a lattice, if the options have one.
-/// \param open sides that stay open besides those of the options, in the order of
-///        cages::kSideWords
 WithCollar withCollar(Lattice lattice, const CollarCommandOptions& collar, Stages& stages,
-                      const std::array<bool, 6>& open = {});
+                      const std::optional<shapes::SymmetryPlane>& symmetry = {});
+
+/// Writes the lattice, and prints the line about it, unless the options are quiet.
+void writeWithCollar(const std::string& path, const WithCollar& made, const CommonOptions& common,
+                     Stages& stages);
 
 }  // namespace espalier::cli

@@ -231,21 +231,17 @@ void addCollar(py::module_& module) {
            const std::optional<std::array<Point3, 2>>& until, const Words& open, int held) {
             cages::CollarOptions options{
                 .layers = layers, .reach = reach, .until = until, .held = held};
-            const auto words =
-                open.index() == 0 ? std::vector{std::get<0>(open)} : std::get<1>(open);
-            for (const std::string& word : words) {
-                if (word.empty()) continue;
-                const auto sides = cages::sidesOf(word);
-                for (std::size_t side = 0; side < sides.size(); ++side)
-                    options.open[side] = options.open[side] || sides[side];
-            }
+            if (open.index() == 1)
+                options.open = cages::sidesOf(std::get<1>(open));
+            else if (const std::string& word = std::get<0>(open); !word.empty())
+                options.open = cages::sidesOf({&word, 1});
             return sharedWithoutGil([&] { return cages::collar(lattice, options).lattice; });
         },
         "lattice"_a, py::kw_only(), "layers"_a = cages::CollarOptions().layers, "reach"_a = 0.0,
         "until"_a = py::none(), "open"_a = "", "held"_a = 0, R"(
 A lattice with layers of cells around it, whose outer vertices are held (Lattice.held), so that
 motion fades out: C2 if two layers of vertices are held, C0 if one is. Vertices and cells of the
-lattice keep their numbers. No cell of the result is folded.
+lattice keep their numbers. No cell is folded, except cells of the lattice that were before.
 
 lattice : Lattice; layers : layers of cells, 1 to 100
 reach : thickness of the collar, in the units of the lattice; or give `until`, (2, 3) float, the

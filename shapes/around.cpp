@@ -125,11 +125,11 @@ BoundingBox symmetricBounds(const SymmetryPlane& symmetry, const BoundingBox& ti
     return bounds;
 }
 
+/// \param counts is changed so that a layer of vertices is in the plane
 Lattice symmetricBox(const SymmetryPlane& symmetry, const BoundingBox& tight,
-                     const BoundingBox& bounds, std::array<int, 3> counts) {
+                     const BoundingBox& bounds, std::array<int, 3>& counts) {
     const auto axis = std::size_t(symmetry.axis);
     const SideOfPlane side = sideOfPlane(symmetry, tight);
-    // A layer of vertices is in the middle.
     if (side == SideOfPlane::Both) counts[axis] += counts[axis] % 2;
     Lattice result = box({counts, bounds.min, bounds.max});
     makeSymmetric(result, counts, axis, planeOf(symmetry, tight), side);
@@ -137,7 +137,8 @@ Lattice symmetricBox(const SymmetryPlane& symmetry, const BoundingBox& tight,
 }
 
 /// Makes the box, whether or not rounding leaves points outside.
-Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) {
+Lattice boxAround(std::span<const Point3> points, const AroundOptions& options,
+                  AroundFacts& facts) {
     Axes axes = kCoordinateAxes;
     BoundingBox bounds = boxAlong(axes, points);
     const double diagonal = bounds.diagonal();
@@ -165,9 +166,10 @@ Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) 
                                 "a number above 0, since the points lie in a plane and the box "
                                 "would be flat");
     }
-    const std::array<int, 3> counts = countsOf(bounds.size(), options);
-    if (options.symmetry) return symmetricBox(*options.symmetry, tight, bounds, counts);
-    const Lattice result = box({counts, bounds.min, bounds.max});
+    facts.margin = options.margin;
+    facts.wanted = facts.cells = countsOf(bounds.size(), options);
+    if (options.symmetry) return symmetricBox(*options.symmetry, tight, bounds, facts.cells);
+    const Lattice result = box({facts.cells, bounds.min, bounds.max});
     if (!options.oriented) return result;
     // The columns of the matrix are the axes: coordinates along the axes become positions.
     Affine placement;
@@ -209,16 +211,17 @@ Offset countOutside(const Lattice& lattice, std::span<const Point3> points) {
 
 }  // namespace
 
-Lattice around(std::span<const Point3> points, const AroundOptions& options, double* margin) {
+Lattice around(std::span<const Point3> points, const AroundOptions& options, AroundFacts* facts) {
     check(points, options);
     constexpr double kSmallestMargin = 1e-9;
     constexpr int kMaxRounds = 10;
     AroundOptions wider = options;
     for (int round = 0;; ++round) {
-        Lattice lattice = boxAround(points, wider);
+        AroundFacts found;
+        Lattice lattice = boxAround(points, wider, found);
         const Offset outside = countOutside(lattice, points);
         if (outside == 0) {
-            if (margin != nullptr) *margin = wider.margin;
+            if (facts != nullptr) *facts = found;
             return lattice;
         }
         if (round == kMaxRounds)

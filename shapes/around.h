@@ -53,6 +53,14 @@ struct AroundOptions {
     std::optional<SymmetryPlane> symmetry = {};
 };
 
+/// Facts about the box that around() makes.
+struct AroundFacts {
+    double margin = 0;               ///< AroundOptions::margin, or a wider one
+    std::array<int, 3> cells = {};   ///< cells along each axis
+    std::array<int, 3> wanted = {};  ///< the same without the plane of symmetry: across it, a cell
+                                     ///< is added to an odd number
+};
+
 /// A point this far outside the box, as a fraction of its diagonal, counts as inside, as binding
 /// does by default (embed::EmbeddingOptions::tolerance).
 inline constexpr double kAroundTolerance = 1e-6;
@@ -63,7 +71,7 @@ inline constexpr double kAroundTolerance = 1e-6;
 /// they contain every point. Where rounding leaves points outside, the margin is doubled until all
 /// are inside.
 ///
-/// \param margin gets the margin of the box, if it is not null: options.margin, or a wider one
+/// \param facts is set, if it is not null
 /// \throws ArgumentError for an option that is out of range, also for a margin of 0 around points
 ///         in a plane, and for a plane of symmetry that the points do not reach to; Error if there
 ///         are no points, a point is not finite, or all points are at one place, or some stay
@@ -71,6 +79,6 @@ inline constexpr double kAroundTolerance = 1e-6;
 ///         Index
 /// \cost O(points); O(points · log points) if `oriented`
 ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {},
-                            double* margin = nullptr);
+                            AroundFacts* facts = nullptr);
 
 }  // namespace espalier::shapes

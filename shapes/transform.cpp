@@ -32,21 +32,6 @@ Point3 leastAlignedAxis(const Point3& direction) {
     return result;
 }
 
-/// Returns the complex with all faces reversed in their cells.
-far::CellComplex insideOut(const far::CellComplex& complex) {
-    far::Rows<far::Signed> faces;
-    for (Index cell = 0; cell < complex.count(3); ++cell) {
-        const auto row = complex.boundary(3)[cell];
-        const auto signs = complex.boundary(3).signs(cell);
-        for (std::size_t i = 0; i < row.size(); ++i)
-            faces.values.push_back({row[i], static_cast<std::int8_t>(-signs[i])});
-        faces.offsets.push_back(static_cast<Offset>(faces.values.size()));
-    }
-    return far::CellComplex(
-        3, complex.count(0),
-        {complex.boundary(1), complex.boundary(2), far::SignedIncidence(faces)});
-}
-
 }  // namespace
 
 Point3 Affine::operator()(const Point3& point) const {
@@ -94,6 +79,21 @@ Affine rotationBetween(const Point3& from, const Point3& to) {
     if (sine > 0) return rotationAbout(normalised(axis), dot(start, end), sine);
     if (dot(start, end) > 0) return {};
     return rotationAbout(normalised(cross(start, leastAlignedAxis(start))), -1, 0);
+}
+
+far::CellComplex insideOut(const far::CellComplex& complex) {
+    if (complex.dimension() != 3) throw Error("insideOut: expected a lattice with cells");
+    far::Rows<far::Signed> faces;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const auto row = complex.boundary(3)[cell];
+        const auto signs = complex.boundary(3).signs(cell);
+        for (std::size_t i = 0; i < row.size(); ++i)
+            faces.values.push_back({row[i], static_cast<std::int8_t>(-signs[i])});
+        faces.offsets.push_back(static_cast<Offset>(faces.values.size()));
+    }
+    return far::CellComplex(
+        3, complex.count(0),
+        {complex.boundary(1), complex.boundary(2), far::SignedIncidence(faces)});
 }
 
 Lattice transformed(const Lattice& lattice, const Affine& map) {

@@ -42,6 +42,11 @@ ESPALIER_API Affine rotation(const Point3& axis, double angle);
 /// \throws Error if one of the vectors has no direction
 ESPALIER_API Affine rotationBetween(const Point3& from, const Point3& to);
 
+/// Returns the complex of a lattice with all faces reversed in their cells. All numbers stay.
+/// \throws Error unless the complex has cells
+/// \cost O(faces of cells)
+ESPALIER_API far::CellComplex insideOut(const far::CellComplex& complex);
+
 /// Returns the lattice moved by an affine map. A map that mirrors would turn cells inside out, so
 /// their faces are then reversed, and volumes stay positive.
 /// \throws Error if the map is singular or not finite, or the positions do not fit the complex

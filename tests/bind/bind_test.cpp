@@ -112,9 +112,9 @@ TEST(Binding, FindsAllPointsInABoxAround) {
         std::vector<Point3> points;
         for (int i = 0; i < 200; ++i)
             points.push_back({away + 0.1 * i, away + 0.3 * (i * i % 11), away + 0.3 * (i % 7)});
-        double margin = -1;
-        const Lattice lattice = shapes::around(points, {.margin = 0, .oriented = true}, &margin);
-        EXPECT_GE(margin, 0);
+        shapes::AroundFacts facts{-1};
+        const Lattice lattice = shapes::around(points, {.margin = 0, .oriented = true}, &facts);
+        EXPECT_GE(facts.margin, 0);
         for (const Target& target : {Target(Level{2}), Target(Limit{})})
             EXPECT_EQ(bindTo(lattice, points, target).count(embed::PointStatus::Inside), 200)
                 << away;

@@ -13,7 +13,9 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
+#include <numbers>
 #include <random>
+#include <string>
 
 #include "lattice_measures.h"
 #include "support/test.h"
@@ -34,6 +36,7 @@ Lattice lShape() {
 }
 
 using Corners = std::array<Point3, 2>;
+using Words = std::vector<std::string>;
 
 void expectKeepsLattice(const Collar& collar, const Lattice& lattice) {
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
@@ -182,7 +185,7 @@ TEST(Collar, ReachesToABoxExactly) {
 TEST(Collar, LeavesOpenSidesInTheirPlanes) {
     for (const Lattice& lattice : {boxLattice(), lShape()}) {
         CollarOptions options{.layers = 2, .reach = 1};
-        options.open = sidesOf("z");
+        options.open = sidesOf(Words{"z"});
         // The step of the L is below its end +y, and grows beyond it.
         options.open[3] = lattice.complex.count(3) == 6;
         const Collar collar = cages::collar(lattice, options);
@@ -199,9 +202,150 @@ TEST(Collar, LeavesOpenSidesInTheirPlanes) {
     }
     EXPECT_REFUSED(Error, "all six sides of the lattice are open",
                    cages::collar(boxLattice(), {.reach = 1, .open = {1, 1, 1, 1, 1, 1}}));
-    EXPECT_REFUSED(ArgumentError, "an axis x, y or z", sidesOf("up"));
-    EXPECT_EQ(sidesOf("-y"), (std::array<bool, 6>{0, 0, 1, 0, 0, 0}));
-    EXPECT_EQ(sidesInPlane(boxLattice(), 1, 2), (std::array<bool, 6>{0, 0, 0, 1, 0, 0}));
+    for (const char* word : {"up", "", "x "})
+        EXPECT_REFUSED(ArgumentError, "an axis x, y or z", sidesOf(Words{word}));
+    EXPECT_EQ(sidesOf(Words{"-y", "z"}), (std::array<bool, 6>{0, 0, 1, 0, 1, 1}));
+}
+
+TEST(Collar, LeavesAPlaneOfSymmetryOpen) {
+    const auto boundsOf = [](const CollarOptions& options) {
+        return BoundingBox(cages::collar(boxLattice(), options).lattice.positions);
+    };
+    const BoundingBox at2 = boundsOf({.reach = 1, .symmetry = {{1, 2.0}}});
+    EXPECT_EQ(at2.max, (Point3{4, 2, 2}));
+    EXPECT_EQ(at2.min, (Point3{-1, -1, -1}));
+    EXPECT_EQ(boundsOf({.reach = 1, .symmetry = {{0, {}}}}).min, (Point3{0, -1, -1}));
+    // The plane in the middle has no side in it.
+    EXPECT_EQ(boundsOf({.reach = 1, .symmetry = {{1, 1.0}}}).max, (Point3{4, 3, 2}));
+    EXPECT_REFUSED(ArgumentError, "symmetry: expected axis 0, 1 or 2, got 3",
+                   boundsOf({.reach = 1, .symmetry = {{3, {}}}}));
+}
+
+TEST(Collar, KeepsVerticesInTwoOpenPlanes) {
+    // Both lattices have vertices in the planes x = 0 and y = 0, and in both at once. The L with a
+    // thin collar is one whose cells fold at first, so that vertices are moved.
+    for (const Lattice& lattice : {boxLattice(), lShape()})
+        for (const double reach : {0.5, 2.0}) {
+            const Collar collar = cages::collar(
+                lattice, {.layers = 2, .reach = reach, .open = sidesOf(Words{"-x", "-y"})});
+            expectKeepsLattice(collar, lattice);
+            const BoundingBox bounds(collar.lattice.positions);
+            EXPECT_EQ(bounds.min[0], 0);
+            EXPECT_EQ(bounds.min[1], 0);
+            // Around the L, each of the 6 vertices in a plane has one in each of 2 layers, and 2 of
+            // the 6 are in both planes. The box has 4 × 3 × 2 vertices, and grows to 6 × 5 × 6.
+            std::array<int, 3> count = {};
+            for (std::size_t v = lattice.positions.size(); v < collar.lattice.positions.size();
+                 ++v) {
+                const Point3& p = collar.lattice.positions[v];
+                count[0] += p[0] == 0;
+                count[1] += p[1] == 0;
+                count[2] += p[0] == 0 && p[1] == 0;
+            }
+            EXPECT_EQ(count, collar.isGrid
+                                 ? (std::array<int, 3>{5 * 6 - 3 * 2, 6 * 6 - 4 * 2, 6 - 2})
+                                 : (std::array<int, 3>{6 * 2, 6 * 2, 2 * 2}));
+        }
+}
+
+TEST(Collar, WorksAroundLatticesThatAreInsideOut) {
+    // Mirrored positions, without the faces reversed.
+    for (Lattice lattice : {boxLattice(), lShape()}) {
+        const Collar right = cages::collar(lattice, {.layers = 2, .reach = 1});
+        for (Point3& position : lattice.positions) position[0] = -position[0];
+        const Collar left = cages::collar(lattice, {.layers = 2, .reach = 1});
+        EXPECT_EQ(left.isGrid, right.isGrid);
+        EXPECT_EQ(left.held, right.held);
+        for (std::size_t v = 0; v < lattice.positions.size(); ++v)
+            EXPECT_EQ(left.lattice.positions[v], lattice.positions[v]);
+        const BoundingBox bounds(left.lattice.positions), mirrored(right.lattice.positions);
+        EXPECT_NEAR(bounds.min[0], -mirrored.max[0], 1e-9);
+        EXPECT_NEAR(bounds.max[1], mirrored.max[1], 1e-9);
+        // All cells are inside out, as the lattice is.
+        EXPECT_THAT(test::badCells(left.lattice), IsEmpty());
+        EXPECT_LT(test::limitVolume(left.lattice), 0);
+    }
+}
+
+TEST(Collar, KeepsTheReachAroundLatticesThatAreNotBoxes) {
+    // In the thin collar all cells fold at first.
+    for (const auto& [layers, reach] : {std::pair(3, 0.5), {2, 1.0}, {3, 2.0}, {3, 4.0}}) {
+        const Collar collar = cages::collar(lShape(), {.layers = layers, .reach = reach});
+        // The L is two boxes.
+        const auto distanceFrom = [](const Point3& p, const Point3& high) {
+            Point3 way = {};
+            for (std::size_t a = 0; a < 3; ++a) way[a] = p[a] - std::clamp(p[a], 0.0, high[a]);
+            return length(way);
+        };
+        std::vector<double> distances;
+        // The 16 vertices of the last layer.
+        for (std::size_t v = collar.lattice.positions.size() - 16;
+             v < collar.lattice.positions.size(); ++v) {
+            const Point3& p = collar.lattice.positions[v];
+            distances.push_back(std::min(distanceFrom(p, {2, 1, 1}), distanceFrom(p, {1, 2, 1})));
+        }
+        const auto [least, most] = std::ranges::minmax(distances);
+        EXPECT_GE(least, reach);
+        EXPECT_LE(most, 2 * reach);
+        EXPECT_NEAR(collar.reach[0], least, 1e-9);
+        EXPECT_NEAR(collar.reach[1], most, 1e-9);
+    }
+}
+
+TEST(Collar, RefusalsNameAVertexAndOptionsThatWork) {
+    const auto messageOf = [](const CollarOptions& options) {
+        try {
+            cages::collar(lShape(), options);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string message = messageOf({.layers = 3, .reach = 0.25});
+    EXPECT_THAT(message, HasSubstr("cells would be thicker than twice the reach near vertex"));
+    EXPECT_THAT(message, HasSubstr("a collar of 1 layer works"));
+    EXPECT_EQ(messageOf({.layers = 1, .reach = 0.25}), "");
+}
+
+TEST(Collar, OpenSidesMustFaceOneDirectionEach) {
+    // Turned by 45°, two sides face each of these directions equally well.
+    const Lattice turned =
+        shapes::transformed(shapes::box({{2, 2, 2}, {-1, -1, -1}, {1, 1, 1}}),
+                            shapes::rotation({0, 0, 1}, 0.25 * std::numbers::pi));
+    for (std::size_t side = 0; side < 4; ++side) {
+        CollarOptions options{.layers = 2, .reach = 1};
+        options.open[side] = true;
+        EXPECT_REFUSED(ArgumentError,
+                       "open: expected a direction that one side of the lattice faces",
+                       cages::collar(turned, options));
+    }
+    const CollarOptions options{.layers = 2, .reach = 1, .open = sidesOf(Words{"z"})};
+    EXPECT_EQ(BoundingBox(cages::collar(turned, options).lattice.positions).max[2], 1);
+    // The side that faced x faces between x and z, at 45°; the others are at 60° from both.
+    const Lattice between =
+        shapes::transformed(boxLattice(), shapes::rotation({0, 1, 0}, -0.25 * std::numbers::pi) *
+                                              shapes::rotation({1, 0, 0}, 0.25 * std::numbers::pi));
+    EXPECT_REFUSED(ArgumentError, "two directions, each of a side of its own",
+                   cages::collar(between, {.reach = 1, .open = sidesOf(Words{"+x", "+z"})}));
+    EXPECT_TRUE(cages::collar(between, {.reach = 1, .open = sidesOf(Words{"+x"})}).isGrid);
+}
+
+TEST(Collar, KeepsOtherDataNamedHeld) {
+    Lattice lattice = boxLattice();
+    lattice.attributes = {{"held", 1, std::vector<double>(lattice.positions.size(), 0.5)}};
+    EXPECT_REFUSED(Error, "point data with the name \"held\"",
+                   cages::collar(lattice, {.layers = 1, .reach = 1}));
+}
+
+TEST(Collar, CellsThatFoldedBeforeMayFold) {
+    // The vertex in the middle of 8 cells is beyond a corner.
+    Lattice lattice = shapes::box({{2, 2, 2}, {0, 0, 0}, {2, 2, 2}});
+    lattice.positions[13] = {5, 5, 5};
+    const auto bad = test::badCells(lattice);
+    ASSERT_THAT(bad, Not(IsEmpty()));
+    const Collar collar = cages::collar(lattice, {.layers = 2, .reach = 8});
+    const auto badWithCollar = test::badCells(collar.lattice);
+    EXPECT_TRUE(std::ranges::includes(bad, badWithCollar));
 }
 
 TEST(Collar, WorksInLeftHandedAndSkewBoxes) {

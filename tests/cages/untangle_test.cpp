@@ -15,7 +15,7 @@ struct Tangle {
     far::TopologyRefiner base{lattice.complex, refinerOptions(lattice)};
     std::vector<VertexFreedom> freedoms;
     std::vector<double> lengths = std::vector<double>(std::size_t(lattice.complex.count(1)), 1.0);
-    std::vector<char> isExamined = std::vector<char>(std::size_t(lattice.complex.count(3)), 1);
+    std::vector<double> weights = std::vector<double>(std::size_t(lattice.complex.count(3)), 1.0);
 
     Tangle() {
         for (const Point3& position : lattice.positions) {
@@ -24,7 +24,7 @@ struct Tangle {
             freedoms.push_back({isInner});
         }
     }
-    TangledCells cells() const { return {base, freedoms, lengths, isExamined}; }
+    TangledCells cells() const { return {base, freedoms, lengths, weights}; }
 };
 
 TEST(Untangle, RemovesFolds) {
@@ -46,7 +46,7 @@ TEST(Untangle, KeepsVerticesInPlanes) {
     Tangle tangle;
     std::vector<Point3> positions = tangle.lattice.positions;
     constexpr std::size_t kMiddle = 2 + 5 * (2 + 5 * 2);
-    tangle.freedoms[kMiddle].planeNormal = {0, 0, 1};
+    tangle.freedoms[kMiddle].planes.add({0, 0, 1});
     positions[kMiddle] = {3.4, 3.4, 2.25};
     EXPECT_TRUE(untangle(positions, tangle.cells()));
     EXPECT_EQ(positions[kMiddle][2], 2.25);
@@ -59,7 +59,7 @@ TEST(Untangle, TellsThatFoldsRemain) {
     // A corner of the box, which must not move, is inside.
     positions[0] = {3, 3, 3};
     EXPECT_FALSE(untangle(positions, tangle.cells()));
-    tangle.isExamined[0] = 0;
+    tangle.weights[0] = 0;
     positions = tangle.lattice.positions;
     EXPECT_TRUE(untangle(positions, tangle.cells()));
 }

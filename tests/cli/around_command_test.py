@@ -55,6 +55,13 @@ class Around(CliTest):
         self.assertIn("expected x, y or z, or a plane",
                       self.error_of("shape", "around", "model.obj", "--symmetry", "up", "-o", "x.ovm", code=2))
 
+    def test_says_that_the_plane_of_symmetry_changes_the_number_of_cells(self):
+        self.write_model([(0, 0, 0), (4, 3, 2)], "both.obj")
+        text = self.around("both.obj", "--symmetry", "x=2", "--cells", 3, 2, 5)
+        self.assertIn("; 4 cells along x instead of 3, for faces in the plane of symmetry", text)
+        self.assertNotIn("instead", self.around("both.obj", "--symmetry", "x=2", "--cells", 4, 3, 5))
+        self.assertNotIn("instead", self.around("both.obj", "--symmetry", "x", "--cells", 3, 3, 5))
+
     def test_a_collar_leaves_the_plane_of_symmetry_open(self):
         self.write_corners((0, 0, 0), (4, 2, 1))
         text = self.around("model.obj", "--symmetry", "y", "--collar", 2, "--reach", 3)
