@@ -161,6 +161,17 @@ export class Poses {
     });
   }
 
+  /** The weights with 0 for the vertices that the lattice holds, such as the outer ones of a collar. */
+  withoutHeld(lattice: Lattice, weights: ArrayLike<number>): Float64Array {
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
+    numbers("weights", weights);
+    return this.library.scoped((scope) => {
+      const changed = scope.doubles(weights);
+      this.library.call("espalier_lattice_held_weights", latticeAt, weights.length, changed);
+      return doublesAt(this.library.core, changed, weights.length);
+    });
+  }
+
   /** The section between the vertices with a weight above 0 and the rest: the joint of a limb. */
   selectionBorder(
     lattice: Lattice,

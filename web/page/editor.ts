@@ -82,6 +82,8 @@ export class Editor {
   border: Point | null = null;
   /** The axis of live mirroring: the other side follows each edit. Null: it does not follow. */
   mirrorAxis: Axis | null = null;
+  /** Whether the vertices that the lattice holds, such as the outer ones of a collar, move, too. */
+  movesHeld = false;
 
   private history = new History(kEmptyDocument);
   private open: Open = kNothing;
@@ -522,9 +524,16 @@ export class Editor {
     weights: Float64Array,
     transforms: readonly Transform[],
   ): Promise<Float64Array> {
-    const result = await this.engine.run("transform", positions, weights, transforms);
+    const { movesHeld } = this;
+    const result = await this.engine.run("transform", positions, weights, transforms, movesHeld);
     this.withoutImage = result.withoutImage;
     return result.positions;
+  }
+
+  /** The options of `espalier pose` for operations. Null if held vertices move, since `--move-held` would be for
+   * all steps. */
+  stepOf(weights: Weights, transforms: readonly Transform[]): string | null {
+    return this.movesHeld ? null : optionsOf(weights, transforms);
   }
 
   /** Moves the selected vertices by operations, one after the other, about the pivot. */
@@ -540,7 +549,7 @@ export class Editor {
       ),
     );
     const moved = await this.transformed(positions, weights.values, transforms);
-    await this.setPositions(moved, optionsOf(weights, transforms));
+    await this.setPositions(moved, this.stepOf(weights, transforms));
   }
 
   /** Shows positions without an edit. */

@@ -8,7 +8,7 @@ import type { Point } from "../library/espalier.ts";
 import type { Document } from "./document.ts";
 import type { Editor } from "./editor.ts";
 import type { Axis, Transform } from "./protocol.ts";
-import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
+import { centerOf, kAxes, type Weights } from "./transforms.ts";
 
 export type Mode = "translate" | "rotate" | "scale";
 
@@ -194,7 +194,15 @@ export class Gizmo {
     const by = this.offset();
     const pulls = this.pulls.map((point) => ({ point, by }));
     const { isDragging } = this;
-    const result = await editor.engine.run("pull", pulls, [...pins], positions, isDragging);
+    const { movesHeld } = editor;
+    const result = await editor.engine.run(
+      "pull",
+      pulls,
+      [...pins],
+      positions,
+      movesHeld,
+      isDragging,
+    );
     this.heldBack = result.heldBack;
     if (editor.mirrorAxis === null) return result.positions;
     const weights = this.weightsOfPulledSide(kAxes.indexOf(editor.mirrorAxis));
@@ -250,7 +258,7 @@ export class Gizmo {
       return this.place();
     }
     this.controls.enabled = false; // No drag begins before this one has ended.
-    const step = this.isPulling ? null : optionsOf(start.weights, this.transforms());
+    const step = this.isPulling ? null : this.editor.stepOf(start.weights, this.transforms());
     this.isStale = true;
     await (this.following ?? this.follow());
     this.start = null;

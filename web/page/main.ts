@@ -307,6 +307,10 @@ find<HTMLSelectElement>('[data-choice="mirror"]').addEventListener("change", ({ 
   editor.mirrorAxis = ((target as HTMLSelectElement).value || null) as Axis | null;
 });
 
+find<HTMLInputElement>('[data-choice="held"]').addEventListener("change", ({ target }) => {
+  editor.movesHeld = (target as HTMLInputElement).checked;
+});
+
 const examples = find<HTMLSelectElement>('[data-choice="example"]');
 for (const [name, { title }] of Object.entries(kExamples)) examples.add(new Option(title, name));
 examples.addEventListener("change", () => {

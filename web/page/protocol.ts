@@ -225,14 +225,23 @@ export interface Jobs {
    * they can. Calls with the same points, pins and positions are the frames of one drag.
    * @param pins points that stay
    * @param positions of the vertices before the drag
+   * @param movesHeld whether the vertices that the lattice holds may move, too
    * @param isFrame whether more frames follow: each takes few iterations
    */
-  pull(pulls: Pull[], pins: number[], positions: Float64Array, isFrame?: boolean): Pulled;
-  /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
+  pull(
+    pulls: Pull[],
+    pins: number[],
+    positions: Float64Array,
+    movesHeld: boolean,
+    isFrame?: boolean,
+  ): Pulled;
+  /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1
+   * @param movesHeld whether the vertices that the lattice holds move, too */
   transform(
     positions: Float64Array,
     weights: Float64Array,
     transforms: readonly Transform[],
+    movesHeld: boolean,
   ): Transformed;
   /** The vertices of a part of the lattice: the limb at a point, or what lies beyond the face nearest to the point. */
   part(kind: "limb" | "beyond", point: Point, positions: Float64Array): number[];

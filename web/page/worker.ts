@@ -400,16 +400,18 @@ function pull(
   pulls: Pull[],
   pins: number[],
   positions: Float64Array,
+  movesHeld: boolean,
   isFrame = false,
 ): Pulled {
   const points = [...pulls.map((each) => each.point), ...pins];
-  const key = [pulls.length, ...points, ...positions].join();
+  const key = [pulls.length, movesHeld, ...points, ...positions].join();
   if (pulling?.key !== key || pulling.isFrame !== isFrame) {
     const { file } = openLatticeNow();
     const { settings } = boundOf(models[0]);
     const places = pointsAt(allPoints(), points);
     const options = {
       pins: pins.map((_, i) => pulls.length + i),
+      moveHeld: movesHeld,
       ...(isFrame && { maxIterations: kIterationsOfFrame }),
     };
     const made = using(bindingOf(places, settings, false), (binding) =>
@@ -595,8 +597,13 @@ const jobs: Jobs = {
 
   readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
   pull,
-  transform: (positions, weights, transforms) =>
-    transforms.reduce((from, to) => transformed(from, weights, to), { positions, withoutImage: 0 }),
+  transform(positions, weights, transforms, movesHeld) {
+    const free = movesHeld ? weights : library.poses.withoutHeld(openLatticeNow().file, weights);
+    if (chosen(free).length === 0 && chosen(weights).length > 0)
+      throw new Error("all selected vertices are held; tick “Move held” to move them");
+    const start: Transformed = { positions, withoutImage: 0 };
+    return transforms.reduce((from, to) => transformed(from, free, to), start);
+  },
   part(kind, point, positions) {
     const { file } = openLatticeNow();
     const { poses } = library;

@@ -238,6 +238,7 @@ test("limbs, and selections along the cells", () => {
   const beyond = poses.selectBeyond(lattice, rest, face);
   assert.equal(beyond.weights.filter((weight) => weight === 1).length, 12);
   assert.deepEqual(poses.growSelection(lattice, weights, -1), beyond.weights);
+  assert.deepEqual(poses.withoutHeld(lattice, weights), weights);
   const near = poses.selectNear(lattice, rest, [1.5, 1.5, 6], 1);
   assert.equal(near.filter((weight) => weight === 1).length, 4);
   const vertices = [...near.keys()].filter((v) => near[v] === 1);

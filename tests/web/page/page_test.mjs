@@ -226,6 +226,45 @@ describe("the page", () => {
       assert.equal(await page.textContent("#status"), "");
     }));
 
+  test("moves, turns and pulls keep the vertices that the lattice holds, unless told otherwise", () =>
+    withPage(async (page) => {
+      run("shape", "box", "--cells", "1", "1", "1", "-o", "inner.vtu");
+      run("shape", "collar", "inner.vtu", "--layers", "1", "--reach", "1", "-o", "held.vtu");
+      await openExample(page);
+      await choose(page, "open lattice", file("held.vtu"));
+      await until(page, () => globalThis.espalier.editor.shape?.counts[0] === 64);
+      const moved = async () => {
+        await settled(page);
+        const { lattice, poses } = await documentNow(page);
+        const before = lattice.positions;
+        const after = poses.length > 0 ? poses[0].positions : before;
+        return [...Array(64).keys()].filter((v) => [0, 1, 2].some((c) => before[3 * v + c] !== after[3 * v + c]));
+      };
+      const inner = [0, 1, 2, 3, 4, 5, 6, 7];
+      await page.click('[data-command="add pose"]');
+      await page.keyboard.press("a");
+      await page.evaluate(() => globalThis.espalier.editor.transform({ kind: "move", offset: [0.1, 0, 0] }));
+      assert.deepEqual(await moved(), inner);
+      const pull = () =>
+        page.evaluate(async () => {
+          const { editor } = globalThis.espalier;
+          const pulls = [{ point: 0, by: [0, 0.05, 0] }];
+          const { positions } = await editor.engine.run("pull", pulls, [], editor.positions, editor.movesHeld);
+          await editor.setPositions(positions, null);
+        });
+      await pull();
+      assert.deepEqual(await moved(), inner);
+      // A selection of held vertices alone gives a message.
+      await page.evaluate(() => globalThis.espalier.editor.select([8, 9]));
+      await assert.rejects(
+        page.evaluate(() => globalThis.espalier.editor.transform({ kind: "move", offset: [1, 0, 0] })),
+        /all selected vertices are held/,
+      );
+      await page.check('[data-choice="held"]', { force: true });
+      await page.evaluate(() => globalThis.espalier.editor.transform({ kind: "move", offset: [0.1, 0, 0] }));
+      assert.deepEqual(await moved(), [...inner, 8, 9]);
+    }));
+
   test("a point of the model that is pulled goes where it is pulled", () =>
     withPage(async (page) => {
       await openExample(page);
