@@ -198,7 +198,7 @@ private:
     std::optional<Collar> attemptWithoutFolds(const CollarCells& planned) {
         constexpr int kRounds = 8;
         constexpr double kMore = 8;
-        constexpr double kTether = 0.3, kTighter = 0.5;
+        constexpr double kTether = 0.5, kTighter = 0.5;
         CollarCells cells = planned;
         std::vector<double> weights = weightsOf(joined(lattice_, planned).complex);
         double tether = kTether;

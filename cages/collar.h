@@ -93,8 +93,8 @@ struct Collar {
 /// along the directions that all faces around a vertex see best, less far where other parts of the
 /// lattice face them; an optimization of the shapes of the cells removes folds (untangle.h).
 /// No outer vertex is farther from the faces of the lattice than twice the reach; at the corner of
-/// a cube the distance is √3 times the reach. It is shorter where other parts of the lattice face
-/// the vertex (Collar::reach).
+/// a cube the distance is √3 times the reach. It is shorter than the reach where other parts of the
+/// lattice face the vertex, and where folds were removed (Collar::reach).
 ///
 /// The layers grow by a constant factor, from the thickness of the cells at the boundary; if the
 /// reach is too small for growth, they are equally thick.

@@ -155,8 +155,11 @@ static void test_held(void) {
     collar.layers = 1;
     collar.reach = 1;
     OK(espalier_lattice_create_collar(lattice, &collar, &with_collar));
-    double positions[3 * ALL], moved[3 * ALL];
-    OK(espalier_lattice_positions(with_collar, ALL, positions));
+    double moved[3 * ALL];
+    const double* positions;
+    int32_t all;
+    OK(espalier_lattice_positions(with_collar, &all, &positions));
+    CHECK(all == ALL);
     espalier_refiner* levels;
     OK(espalier_refiner_create(with_collar, NULL, &levels));
     espalier_binding* bound;
