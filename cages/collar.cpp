@@ -163,20 +163,22 @@ private:
         if (!cells) return std::nullopt;
         if (auto result = attempt(*cells)) return result;
         if (options_.until) return std::nullopt;
-        return attemptWithoutFolds(*cells);
+        constexpr double kTether = 0.5;
+        return attemptWithoutFolds(*cells, kTether);
     }
 
     std::optional<Collar> extruded(const OpenFaces& open) {
-        // Cells that fold or overlap get less room from try to try.
-        constexpr int kTries = 4;
+        // Cells that fold or overlap and vertices that are too far away get less room from try to
+        // try. With another tether, the vertices find other places.
+        constexpr int kTries = 5;
+        constexpr double kTethers[] = {0.5, 0.3};
         constexpr double kLess = 0.6, kMuchLess = 0.4;
         std::vector<double> parts(lattice_.positions.size(), 1);
         for (int tried = 0; tried < kTries; ++tried) {
             const CollarCells cells = extrudedCollar(lattice_, options_, open, parts);
             if (tried == 0)
                 if (auto result = attempt(cells)) return result;
-            if (auto result = attemptWithoutFolds(cells)) return result;
-            if (last_->kind == CollarProof::FailureKind::TooThick) break;
+            if (auto result = attemptWithoutFolds(cells, kTethers[tried % 2])) return result;
             const bool overlaps = last_->kind == CollarProof::FailureKind::Overlap;
             std::vector<Index> near = last_->vertices;
             sortUnique(near);
@@ -195,13 +197,13 @@ private:
     }
 
     /// Moves the vertices so that no cell folds, and tries the result.
-    std::optional<Collar> attemptWithoutFolds(const CollarCells& planned) {
+    /// \param tether as removeFolds() has it, for the first round
+    std::optional<Collar> attemptWithoutFolds(const CollarCells& planned, double tether) {
         constexpr int kRounds = 8;
         constexpr double kMore = 8;
-        constexpr double kTether = 0.5, kTighter = 0.5;
+        constexpr double kTighter = 0.5;
         CollarCells cells = planned;
         std::vector<double> weights = weightsOf(joined(lattice_, planned).complex);
-        double tether = kTether;
         for (int round = 0; round < kRounds; ++round) {
             removeFolds(lattice_, weights, planned.vertices, tether, cells);
             if (auto result = attempt(cells)) return result;
