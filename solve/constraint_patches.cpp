@@ -80,7 +80,9 @@ std::optional<Constraint> constraintOf(const far::MeshPatch& patch) {
     if (patch.type == "symmetry" || patch.type == "symmetryPlane" || patch.type == "wedge")
         return Constraint::Plane;
     if (patch.type == "empty") return Constraint::Sides;
-    if (patch.type.starts_with("cyclic") && !patch.partner.empty()) return Constraint::Periodic;
+    if (!patch.partner.empty() &&
+        (patch.type.starts_with("cyclic") || patch.type == "periodic" || patch.type == "shadow"))
+        return Constraint::Periodic;
     if (!patch.type.empty() || patch.dimension == 3) return std::nullopt;
     std::string name = patch.name;
     for (char& c : name)
@@ -195,14 +197,20 @@ bool ConstraintPatches::findPlanes(const far::MeshPatch& patch, Checked& checked
                      tolerance);
         };
     };
-    if (patch.dimension == 1) {
-        // A line of a mesh in a plane: the plane through the line, perpendicular to the mesh.
+    if (patch.dimension <= 1) {
         std::vector<Index> all(rest_.size());
         std::iota(all.begin(), all.end(), 0);
-        const PrincipalAxes ofMesh(all, rest_), ofLine(patch.points, rest_);
-        if (ofMesh.extents[2] > kFulfilled * size_) return false;
-        checked.planes.push_back(
-            {ofLine.mean, cross(ofMesh.directions[2], ofLine.directions[0]), patch.points});
+        const PrincipalAxes ofMesh(all, rest_), ofPatch(patch.points, rest_);
+        const bool isPlanarMesh = ofMesh.extents[2] <= kFulfilled * size_;
+        // A line of a mesh in a plane: the plane through the line, perpendicular to the mesh. A set
+        // of points in space: their plane, unless they are on a line.
+        if (!isPlanarMesh &&
+            (patch.dimension == 1 || !(ofPatch.extents[1] > kFulfilled * ofPatch.extents[0])))
+            return false;
+        checked.planes.push_back({ofPatch.mean,
+                                  isPlanarMesh ? cross(ofMesh.directions[2], ofPatch.directions[0])
+                                               : ofPatch.directions[2],
+                                  patch.points});
         return std::ranges::none_of(patch.points, isFar(checked.planes[0], kFulfilled * size_));
     }
     std::vector<Index> left(patch.faceCount());

@@ -26,8 +26,8 @@ enum class Constraint {
 
 /// Returns the constraint of a patch, or nothing. By the type, as OpenFOAM names it: `symmetry`,
 /// `symmetryPlane` and `wedge` are planes, `empty` has sides, and types that begin with `cyclic`
-/// are periodic if they have a partner. Without a type: a patch of faces or lines with "symm" in
-/// its name is a plane.
+/// are periodic if they have a partner; likewise `periodic` and `shadow` of Fluent. Without a type:
+/// a patch of faces or lines with "symm" in its name is a plane.
 ESPALIER_API std::optional<Constraint> constraintOf(const far::MeshPatch& patch);
 
 /// The effect of a pose on a constraint patch.

@@ -42,6 +42,9 @@ TEST(ConstraintPatches, TypesAndNamesHaveConstraints) {
     EXPECT_EQ(constraintOf(patchOf("a", "wedge", faces)), Constraint::Plane);
     EXPECT_EQ(constraintOf(patchOf("a", "empty", faces)), Constraint::Sides);
     EXPECT_EQ(constraintOf(patchOf("a", "cyclic", faces, "b")), Constraint::Periodic);
+    EXPECT_EQ(constraintOf(patchOf("a", "periodic", faces, "b")), Constraint::Periodic);
+    EXPECT_EQ(constraintOf(patchOf("a", "shadow", faces, "b")), Constraint::Periodic);
+    EXPECT_EQ(constraintOf(patchOf("a", "periodic", faces)), std::nullopt);
     EXPECT_EQ(constraintOf(patchOf("a", "wall", faces)), std::nullopt);
     EXPECT_EQ(constraintOf(patchOf("Symmetry", "patch", faces)), std::nullopt);
     // Formats without types: by the name.
@@ -164,6 +167,26 @@ TEST(ConstraintPatches, LinesOfAPlaneMeshStayLines) {
     Positions bent = rest;
     bent[3][2] = 1;
     EXPECT_THAT(ConstraintPatches(std::span(&line, 1), bent).brokenAtRest(), ElementsAre(0u));
+}
+
+// Abaqus has sets of nodes.
+TEST(ConstraintPatches, SetsOfPointsStayInTheirPlane) {
+    far::MeshPatch set{"XSYMM"};
+    set.points = {0, 2, 4, 6};
+    const ConstraintPatches check(std::span(&set, 1), cubeCorners());
+    ASSERT_THAT(check.brokenAtRest(), IsEmpty());
+    Positions pose = cubeCorners();
+    pose[2] = {0, 5, 0.5};
+    EXPECT_FALSE(check.check(pose)[0].isBroken);
+    pose[2] = {0.25, 1, 0};
+    EXPECT_NEAR(check.check(pose)[0].distance, 0.25, 1e-14);
+    // Points on a line are in many planes, and those of a cube in none.
+    for (const std::vector<Index>& points :
+         {std::vector<Index>{0, 2}, std::vector<Index>{0, 1, 2, 3, 4, 5, 6, 7}}) {
+        set.points = points;
+        EXPECT_THAT(ConstraintPatches(std::span(&set, 1), cubeCorners()).brokenAtRest(),
+                    ElementsAre(0u));
+    }
 }
 
 // Periodic by a shift, and by a turn: the second patch is the image of the first one, whose faces
