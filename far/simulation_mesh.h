@@ -21,7 +21,8 @@ struct MeshPatch {
     /// The corners of its faces, in the order of the file.
     Rows<Index> faces = {};
 
-    /// 2 or 3: the largest dimension of its elements; in a mesh of two dimensions, 1 for a patch.
+    /// 2 or 3: the largest dimension of its elements; in a mesh of two dimensions, 1 for a patch. 0
+    /// for a set of points.
     int dimension = 0;
 
     /// The points of the elements, ascending.

@@ -62,13 +62,6 @@ private:
     bool isEmpty_ = true;
 };
 
-/// Returns a text without the white space around it.
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kSpace = " \t\r";
-    text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
-    return text.substr(0, text.find_last_not_of(kSpace) + 1);
-}
-
 /// Splits a line at commas.
 /// \return the fields, at most one more than there should be
 std::vector<std::string_view> fieldsOf(std::string_view line) {

@@ -42,6 +42,10 @@ struct Format {
     /// Returns true for further paths of the format.
     bool (*isPath)(const std::filesystem::path&) = nullptr;
 
+    /// Returns true if a file is of this format, for an extension that an earlier format of the
+    /// list has, too; null if the extension decides.
+    bool (*isContent)(std::string_view bytes) = nullptr;
+
     // Models.
 
     /// \param format this format
@@ -102,7 +106,8 @@ struct Format {
 // too.
 extern const Format kOvmFormat, kObjFormat, kPlyFormat, kStlFormat, kVtuFormat, kVtpFormat,
     kVtkLegacyFormat;
-extern const Format kGmshFormat, kSu2Format, kMeditFormat, kPlot3dFormat, kFoamFormat;
+extern const Format kGmshFormat, kSu2Format, kMeditFormat, kNastranFormat, kAbaqusFormat,
+    kIdeasFormat, kFluentFormat, kPlot3dFormat, kFoamFormat;
 extern const Format kMatrixMarketFormat, kNumpyArchiveFormat, kNumpyArraysFormat,
     kPetscBinaryFormat;
 extern const Format kPointCacheFormat, kMotionDesignerFormat, kGltfFormat;
@@ -112,6 +117,14 @@ extern const Format kBoundModelFormat, kTargetsFormat, kCommaSeparatedFormat;
 /// can be a case of OpenFOAM, and so a lattice.)
 const Format* findFormat(const std::filesystem::path& path, FileContent content,
                          FileUse use = FileUse::Read);
+
+/// Returns the format with this content that a file has: another one than findFormat() returned if
+/// its extension belongs to several formats, and the bytes tell which.
+const Format& formatOfFile(const Format& found, const std::filesystem::path& path,
+                           FileContent content, std::string_view bytes);
+
+/// Returns true if a path names this format, perhaps besides others.
+bool isPathOf(const Format& format, const std::filesystem::path& path);
 
 /// Returns true if a path names any format.
 bool namesFormat(const std::filesystem::path& path);

@@ -13,23 +13,27 @@ namespace {
 
 /// All formats, in the order in which messages list them; and the formats of optional components.
 std::vector<const Format*>& formats() {
-    static std::vector<const Format*> formats = {
-        &kOvmFormat,           &kObjFormat,          &kPlyFormat,
-        &kStlFormat,           &kVtuFormat,          &kVtpFormat,
-        &kVtkLegacyFormat,     &kGmshFormat,         &kSu2Format,
-        &kMeditFormat,         &kPlot3dFormat,       &kFoamFormat,
-        &kMatrixMarketFormat,  &kNumpyArchiveFormat, &kNumpyArraysFormat,
-        &kPetscBinaryFormat,   &kPointCacheFormat,   &kMotionDesignerFormat,
-        &kGltfFormat,          &kBoundModelFormat,   &kTargetsFormat,
-        &kCommaSeparatedFormat};
+    static std::vector<const Format*> formats = {&kOvmFormat,          &kObjFormat,
+                                                 &kPlyFormat,          &kStlFormat,
+                                                 &kVtuFormat,          &kVtpFormat,
+                                                 &kVtkLegacyFormat,    &kGmshFormat,
+                                                 &kSu2Format,          &kMeditFormat,
+                                                 &kNastranFormat,      &kAbaqusFormat,
+                                                 &kIdeasFormat,        &kFluentFormat,
+                                                 &kPlot3dFormat,       &kFoamFormat,
+                                                 &kMatrixMarketFormat, &kNumpyArchiveFormat,
+                                                 &kNumpyArraysFormat,  &kPetscBinaryFormat,
+                                                 &kPointCacheFormat,   &kMotionDesignerFormat,
+                                                 &kGltfFormat,         &kBoundModelFormat,
+                                                 &kTargetsFormat,      &kCommaSeparatedFormat};
     return formats;
 }
 
-/// Returns true if a path names this format.
-bool isPathOf(const Format& format, const std::filesystem::path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    return (!extension.empty() && std::ranges::count(format.extensions, extension) > 0) ||
-           (format.isPath && format.isPath(path));
+/// Adds the extensions of a format. Several formats may have the same one.
+void addExtensions(const Format& format, std::vector<std::string>& names) {
+    for (const std::string_view extension : format.extensions)
+        if (!extension.empty() && std::ranges::count(names, extension) == 0)
+            names.emplace_back(extension);
 }
 
 /// Returns ".ovm, .vtu or .vtk".
@@ -67,6 +71,21 @@ bool Format::holds(FileContent content, FileUse use) const {
     return false;
 }
 
+bool isPathOf(const Format& format, const std::filesystem::path& path) {
+    const std::string extension = lowerCase(path.extension().string());
+    return (!extension.empty() && std::ranges::count(format.extensions, extension) > 0) ||
+           (format.isPath && format.isPath(path));
+}
+
+const Format& formatOfFile(const Format& found, const std::filesystem::path& path,
+                           FileContent content, std::string_view bytes) {
+    for (const Format* format : formats())
+        if (format->isContent && format->holds(content, FileUse::Read) && isPathOf(*format, path) &&
+            format->isContent(bytes))
+            return *format;
+    return found;
+}
+
 const Format* findFormat(const std::filesystem::path& path, FileContent content, FileUse use) {
     for (const Format* format : formats())
         if (format->holds(content, use) && isPathOf(*format, path)) return format;
@@ -95,8 +114,7 @@ std::vector<std::string> extensionsOf(FileContent content, FileUse use) {
     std::vector<std::string> extensions;
     for (const Format* format : formats())
         if (format->holds(content, use) && format->words.empty())
-            for (const std::string_view extension : format->extensions)
-                if (!extension.empty()) extensions.emplace_back(extension);
+            addExtensions(*format, extensions);
     return extensions;
 }
 
@@ -109,8 +127,7 @@ std::string listOfFormats(FileContent content, FileUse use) {
             names.emplace_back(format->words);
             continue;
         }
-        for (const std::string_view extension : format->extensions)
-            if (!extension.empty()) names.emplace_back(extension);
+        addExtensions(*format, names);
     }
     if (meshes.empty()) return joined(usual);
     return joined(usual) + ", or the mesh of a simulation (" + joined(meshes) + ")";

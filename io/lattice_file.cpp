@@ -107,15 +107,19 @@ const Format& writableFormatOf(const Path& path) {
     return format;
 }
 
-LatticeReader refinableReaderOf(const Path& path) {
-    if (const Format* format = findFormat(path, FileContent::Mesh)) return format->readMesh;
-    if (const Format* format = findFormat(path, FileContent::Lattice)) return format->readLattice;
+/// Returns a format of curves, meshes or lattices.
+const Format& refinableFormatOf(const Path& path) {
+    if (const Format* format = findFormat(path, FileContent::Mesh)) return *format;
+    if (const Format* format = findFormat(path, FileContent::Lattice)) return *format;
     throw FileError(path, "is not of a known format of curves, meshes or lattices; expected " +
                               listOfFormats(FileContent::Mesh, FileUse::Read) + ", " +
                               listOfFormats(FileContent::Lattice, FileUse::Read));
 }
 
-Lattice readBytes(LatticeReader read, const Path& path, std::string_view bytes, ReadNotes* notes) {
+Lattice readBytes(const Format& found, const Path& path, std::string_view bytes, ReadNotes* notes) {
+    const LatticeReader read =
+        found.readMesh ? found.readMesh
+                       : formatOfFile(found, path, FileContent::Lattice, bytes).readLattice;
     return explainingContent(path, bytes, [&] { return read(path, bytes, notes); });
 }
 
@@ -124,11 +128,11 @@ Lattice readBytes(LatticeReader read, const Path& path, std::string_view bytes, 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const Path file = modelFile(path);
     const Format& format = formatOf(path, FileUse::Read);
-    return readBytes(format.readLattice, file, readFile(file), notes);
+    return readBytes(format, file, readFile(file), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return readBytes(formatOf(path, FileUse::Read).readLattice, path, bytes, notes);
+    return readBytes(formatOf(path, FileUse::Read), path, bytes, notes);
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
@@ -141,12 +145,12 @@ void checkLatticeTarget(const Path& path) {
 
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
     const Path file = modelFile(path);
-    const LatticeReader read = refinableReaderOf(path);
-    return readBytes(read, file, readFile(file), notes);
+    const Format& format = refinableFormatOf(path);
+    return readBytes(format, file, readFile(file), notes);
 }
 
 Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return readBytes(refinableReaderOf(path), path, bytes, notes);
+    return readBytes(refinableFormatOf(path), path, bytes, notes);
 }
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {

@@ -26,8 +26,9 @@ namespace {
 /// \throws FileError if the model, or any model, cannot be written under this name
 const Format* conversionFor(const Model& model, const std::filesystem::path& path) {
     if (&model.format() == &kFoamFormat) return nullptr;
+    if (isPathOf(model.format(), path)) return nullptr;
     const Format* format = findFormat(path, FileContent::Model);
-    if (!format || format == &model.format()) return nullptr;
+    if (!format) return nullptr;
     if (!format->writeSurface)
         throw FileError(
             path,
@@ -197,7 +198,8 @@ std::string Model::checkTarget(const std::filesystem::path& name) const {
         return conversionTo(*other, path)->losses(path);
     checkExtension(path);
     checkOwnTarget(path);
-    return {};
+    const std::string losses = ownLosses();
+    return losses.empty() ? losses : shownPath(path) + ": " + losses;
 }
 
 /// Refuses an extension that is no model format. A file of this name in the format of the model
@@ -260,7 +262,7 @@ std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {
-    const Format& format = requireFormat(path);
+    const Format& format = formatOfFile(requireFormat(path), path, FileContent::Model, bytes);
     return explainingContent(path, bytes, [&] {
         std::unique_ptr<Model> model = format.readModel(format, path, std::move(bytes));
         if (model->positions().empty()) throw FileError(path, "the model has no points");

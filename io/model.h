@@ -67,9 +67,10 @@ struct ModelFaces {
 /// The cells of `volume` are tetrahedra, pyramids, wedges and hexahedra of first and second order,
 /// and polyhedra, right-handed, in the order of the file; the faces of `surface` triangles and
 /// quadrilaterals of first and second order. `patches` are the patches of OpenFOAM, the markers of
-/// SU2, the physical groups of Gmsh, the references of Medit and the sections of CGNS, in the order
-/// of the file. A group without a name has one of its dimension and number: "surface 3", "volume
-/// 1".
+/// SU2, the physical groups of Gmsh, the references of Medit, the properties of Nastran, the sets
+/// and surfaces of Abaqus, the groups of I-deas, the zones of Fluent and the sections of CGNS, in
+/// the order of the file. A group without a name has one of its dimension and number: "surface 3",
+/// "volume 1".
 struct ModelCells : far::SimulationMesh {
     /// Number of cells of a volume of third order and above, or whose order of points is not known.
     /// They are not in `volume`.
@@ -319,7 +320,8 @@ public:
 
     /// Returns points, one per point of the model, as a file that write() makes in the format of
     /// the model holds them: where it has single precision, rounded to the nearest float, which is
-    /// infinite for a coordinate that write() refuses. Formats of text and doubles change nothing.
+    /// infinite for a coordinate that write() refuses; in fields of a fixed width, rounded to the
+    /// digits that fit. Other formats of text and doubles change nothing.
     virtual std::vector<Point3> stored(std::vector<Point3> points) const;
 
     /// Extension of the file in lower case: ".obj"; "points" for OpenFOAM, whose file has this
@@ -339,8 +341,8 @@ public:
     /// \return one line for the user, or nothing. It names the data of the model that a file in
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
     ///         triangles"). For a name without extension ("/dev/stdout"), or with the number of a
-    ///         pose instead ("a.0001"), the model is written in its own format, and there is no
-    ///         line
+    ///         pose instead ("a.0001"), the model is written in its own format. In this format,
+    ///         there is a line only if fields of a fixed width round the coordinates (Nastran)
     /// \throws FileError if the extension belongs to no model format ("a.gltf"); if it belongs to
     ///         another one to which this model cannot be converted, with the reason; if the points
     ///         of an OpenFOAM mesh would get another name, or replace the points of another mesh
@@ -390,6 +392,9 @@ private:
 
     /// Throws unless the model may be written to a file in its own format.
     virtual void checkOwnTarget(const std::filesystem::path&) const {}
+
+    /// Returns what a file in the own format of the model loses, as a phrase; empty if nothing.
+    virtual std::string ownLosses() const { return {}; }
 
     /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay

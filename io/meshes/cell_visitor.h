@@ -28,6 +28,17 @@ public:
     /// elements belong to none.
     virtual void beginGroups(std::span<const std::string>) {}
 
+    /// Points of these groups that the file names without elements: a set of nodes.
+    virtual void groupPoints(std::span<const Index>) {}
+
+    /// A side of a cell that is in these groups, and no element: an edge or a face.
+    /// \param dimension 1 or 2
+    /// \param corners in the order around the face
+    /// \param points the corners and, in a cell of second order, the points between them
+    virtual void groupSide([[maybe_unused]] int dimension,
+                           [[maybe_unused]] std::span<const Index> corners,
+                           [[maybe_unused]] std::span<const Index> points) {}
+
     /// A tetrahedron, pyramid, wedge or hexahedron.
     /// \param points in VTK's order
     virtual void cell(far::StandardCell kind, std::span<const Index> points) = 0;

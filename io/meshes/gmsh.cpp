@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -18,6 +17,7 @@
 #include "../files/number_types.h"
 #include "gmsh_elements.h"
 #include "mesh_format.h"
+#include "node_numbers.h"
 
 // Reads meshes of Gmsh (.msh) of the versions 2 to 2.2 and 4.1, ASCII and binary.
 //
@@ -38,6 +38,11 @@ class GmshReader {
 public:
     GmshReader(const std::filesystem::path& path, std::string_view bytes)
         : path_(path), bytes_(bytes), text_(path, bytes) {
+        std::string_view first = bytes.substr(0, bytes.find('\n'));
+        if (const std::string_view word = takeWord(first); word == "$NOD")
+            throw FileError(path, 1,
+                            "the file is of the version 1 of Gmsh's format; write the mesh with "
+                            "gmsh FILE -save -format msh41");
         seek("MeshFormat");
         const std::string_view version = text_.token("the version of the format");
         // The versions 2 to 2.2 differ in sections that are not read.
@@ -66,14 +71,12 @@ public:
     }
 
     void readCells(CellVisitor& visitor) {
+        Index next = 0;
         readNodes([&](std::int64_t tag) {
-            const auto index = static_cast<Index>(tags_.size());
-            // Most files number their nodes from 1 in order.
-            isDense_ = isDense_ && tag == std::int64_t{index} + 1;
-            tags_.emplace_back(tag, index);
+            tags_.add(tag, next++);
             for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis);
         });
-        sortTags();
+        if (const auto twice = tags_.sort()) text_.fail(concat("two nodes have the tag ", *twice));
         if (visitor.wantsGroups()) readGroups();
         if (isVersion4_)
             readElements4(visitor);
@@ -226,25 +229,8 @@ private:
             text_.token("a parameter of a node");
     }
 
-    /// Sorts the tags of all nodes, so that indexOf() finds them. A hash table would be faster, but
-    /// slow for tags that all fall into one bucket.
-    void sortTags() {
-        if (isDense_) return;
-        sortCancellably(tags_.begin(), tags_.end());
-        const auto twice =
-            std::adjacent_find(tags_.begin(), tags_.end(),
-                               [](const auto& a, const auto& b) { return a.first == b.first; });
-        if (twice != tags_.end()) text_.fail(concat("two nodes have the tag ", twice->first));
-    }
-
     Index indexOf(std::int64_t tag) const {
-        if (isDense_) {
-            if (tag >= 1 && tag <= std::ssize(tags_)) return static_cast<Index>(tag - 1);
-        } else {
-            const auto found =
-                std::lower_bound(tags_.begin(), tags_.end(), std::pair(tag, Index{0}));
-            if (found != tags_.end() && found->first == tag) return found->second;
-        }
+        if (const auto node = tags_.find(tag)) return *node;
         text_.fail(concat("an element names node ", tag, ", which does not exist"));
     }
 
@@ -448,9 +434,8 @@ private:
     TextReader text_;
     bool isVersion4_ = false;
     bool isBinary_ = false;
-    std::optional<std::endian> order_;                  ///< the byte order of a binary file
-    bool isDense_ = true;                               ///< whether node i has the tag i + 1
-    std::vector<std::pair<std::int64_t, Index>> tags_;  ///< the tags of all nodes, and the nodes
+    std::optional<std::endian> order_;  ///< the byte order of a binary file
+    NodeNumbers tags_;                  ///< of all nodes
 
     using DimensionAndTag = std::pair<std::int64_t, std::int64_t>;
     DimensionAndTag currentGroup_ = {};

@@ -75,6 +75,12 @@ void makeCoherent(std::span<Loop> loops) {
 
 }  // namespace
 
+void MeshCells::groupSide(int dimension, std::span<const Index> corners,
+                          std::span<const Index> points) {
+    patches_.add(dimension, points);
+    if (dimension == 2) patches_.addFace(corners);
+}
+
 void MeshCells::cell(far::StandardCell kind, std::span<const Index> points) {
     checkCancelledEvery(cells_.size(), 12);
     patches_.add(3, points);

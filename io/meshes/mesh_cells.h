@@ -23,6 +23,9 @@ class ESPALIER_API MeshCells final : public CellVisitor {
 public:
     bool wantsGroups() const override { return true; }
     void beginGroups(std::span<const std::string> names) override { patches_.begin(names); }
+    void groupPoints(std::span<const Index> points) override { patches_.add(0, points); }
+    void groupSide(int dimension, std::span<const Index> corners,
+                   std::span<const Index> points) override;
     void cell(far::StandardCell kind, std::span<const Index> points) override;
 
     /// \param loops the faces, each in any direction

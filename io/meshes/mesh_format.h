@@ -6,14 +6,16 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "../models/file_model.h"
 #include "cell_visitor.h"
 
-// The meshes of simulations: OpenFOAM, Gmsh, Medit, SU2 and PLOT3D. Each format has two
-// functions: one finds the points, the other reads the cells. The rest of models and lattices is
-// the same code for all formats.
+// The meshes of simulations: OpenFOAM, Gmsh, Medit, SU2, PLOT3D, Nastran, Abaqus, I-deas and
+// Fluent. Each format has two functions: one finds the points, the other reads the cells. The rest
+// of models and lattices is the same code for all formats.
 
 namespace espalier::io {
 
@@ -30,13 +32,25 @@ struct MeshFormat {
     void (*readCells)(const std::filesystem::path& path, std::string_view bytes, Index pointCount,
                       CellVisitor& visitor);
 
-    /// Reads the mesh from files beside `path`; null if readCells() has the cells.
-    far::SimulationMesh (*readBeside)(const std::filesystem::path& path,
-                                      Index pointCount) = nullptr;
+    /// Reads the cells for Model::readCells(), for formats that list the faces of their cells; null
+    /// if readCells() does it.
+    ModelCells (*readModelCells)(const FileView& file) = nullptr;
 
     /// FileModelFormat::checkTarget.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
+
+    /// FileModelFormat::write, stored and losses.
+    void (*write)(std::ostream& out, const FileView& file, std::span<const Point3> moved,
+                  std::span<const DeformationGradient> gradients) = nullptr;
+    std::vector<Point3> (*stored)(const FileView& file, std::vector<Point3> points) = nullptr;
+    std::string (*losses)(const FileView& file) = nullptr;
 };
+
+/// Visits the cells of a volume as polyhedra, and the faces of its boundary.
+void visitVolume(const far::VolumeMesh& mesh, CellVisitor& visitor);
+
+/// Returns the first names of files, and how many more there are: "'a', 'b', 'c' and 4 more".
+std::string listedFiles(std::span<const std::string> names);
 
 ModelSurface readMeshSurface(const MeshFormat& format, const FileView& file);
 ModelCells readMeshCells(const MeshFormat& format, const FileView& file);
@@ -55,7 +69,10 @@ inline constexpr FileModelFormat kMeshModel = {
     .readNumbers = format.readPoints,
     .readSurface = [](const FileView& file) { return readMeshSurface(format, file); },
     .readCells = [](const FileView& file) { return readMeshCells(format, file); },
-    .checkTarget = format.checkTarget};
+    .checkTarget = format.checkTarget,
+    .write = format.write,
+    .stored = format.stored,
+    .losses = format.losses};
 
 /// Format::readModel and Format::readLattice of a format of meshes.
 template <const MeshFormat& format>

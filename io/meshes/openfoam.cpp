@@ -173,26 +173,16 @@ std::vector<far::MeshPatch> readPatches(const Path& points, const far::VolumeMes
     return patches;
 }
 
-far::SimulationMesh readBeside(const Path& path, Index pointCount) {
-    far::SimulationMesh mesh;
-    mesh.volume = meshOf(path, pointCount, readFoamCells(path));
-    mesh.patches = readPatches(path, mesh.volume);
-    return mesh;
+ModelCells readModelCells(const FileView& file) {
+    ModelCells cells;
+    cells.volume = meshOf(file.path, file.pointCount(), readFoamCells(file.path));
+    cells.patches = readPatches(file.path, cells.volume);
+    cells.isOpenFoam = true;
+    return cells;
 }
 
 void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor& visitor) {
-    const far::VolumeMesh mesh = meshOf(path, pointCount, readFoamCells(path));
-    std::vector<std::vector<Index>> loops;
-    for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
-        loops.clear();
-        for (const Index face : mesh.faces(cell)) {
-            loops.emplace_back(mesh.face(face).begin(), mesh.face(face).end());
-            if (mesh.owner(face) != cell) std::reverse(loops.back().begin(), loops.back().end());
-        }
-        visitor.polyhedron(loops);
-    }
-    for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face)
-        visitor.boundaryFace(mesh.face(face));
+    visitVolume(meshOf(path, pointCount, readFoamCells(path)), visitor);
 }
 
 /// Throws unless the points of a mesh may be written to a path: to a device, or to a file "points"
@@ -228,7 +218,7 @@ void checkTarget(const FileView& file, const Path& target) {
         refuse(concat("which has ", count, " points, and not ", file.pointCount()));
 }
 
-constexpr MeshFormat kFoamMesh = {readPoints, readCells, readBeside, checkTarget};
+constexpr MeshFormat kFoamMesh = {readPoints, readCells, readModelCells, checkTarget};
 
 /// Returns the folder polyMesh that a folder means; nothing if there is none.
 std::optional<Path> polyMeshOf(const Path& folder) {

@@ -100,6 +100,18 @@ double parseCoordinate(std::string_view word, std::size_t axis, Precision precis
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
+double parseFortranCoordinate(std::string_view word, std::size_t axis,
+                              const std::filesystem::path& path, std::size_t line) {
+    const std::size_t letter = word.find_first_of("dD");
+    double value = 0;
+    if (letter != std::string_view::npos) {
+        std::string text(word);
+        text[letter] = 'e';
+        if (parseNumber(text, value)) return value;
+    }
+    return parseCoordinate(word, axis, Precision::Double, path, line);
+}
+
 bool isSame(double a, double b) {
     return a == b || (std::isnan(a) && std::isnan(b));
 }

@@ -73,6 +73,11 @@ double parseReal(std::string_view word, Precision precision);
 double parseCoordinate(std::string_view word, std::size_t axis, Precision precision,
                        const std::filesystem::path& path, std::size_t line);
 
+/// Parses a word as a coordinate in double precision, whose exponent may begin with a D.
+/// \throws FileError as parseCoordinate()
+double parseFortranCoordinate(std::string_view word, std::size_t axis,
+                              const std::filesystem::path& path, std::size_t line);
+
 /// Returns the text of the number at an offset of a text. It was read as a number before.
 std::string_view numberAt(std::string_view text, std::size_t offset);
 

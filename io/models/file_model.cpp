@@ -53,6 +53,10 @@ public:
     ModelCells readCells() const override {
         return functions_.readCells ? functions_.readCells(view()) : ModelCells{};
     }
+    std::vector<Point3> stored(std::vector<Point3> points) const override {
+        return functions_.stored ? functions_.stored(view(), std::move(points))
+                                 : Model::stored(std::move(points));
+    }
     std::vector<PointAttribute> attributes() const override {
         return functions_.attributes ? functions_.attributes(view())
                                      : std::vector<PointAttribute>();
@@ -81,6 +85,10 @@ private:
 
     void checkOwnTarget(const std::filesystem::path& target) const override {
         if (functions_.checkTarget) functions_.checkTarget(view(), target);
+    }
+
+    std::string ownLosses() const override {
+        return functions_.losses ? functions_.losses(view()) : std::string();
     }
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,

@@ -109,6 +109,14 @@ struct FileModelFormat {
     /// \param gradients one per point, or empty
     void (*write)(std::ostream& out, const FileView& file, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients) = nullptr;
+
+    /// Model::stored(), for formats whose numbers have another precision than their storage has;
+    /// null if there is no such number.
+    std::vector<Point3> (*stored)(const FileView& file, std::vector<Point3> points) = nullptr;
+
+    /// Returns what a file with other points loses, as a phrase; empty if it loses nothing. Null if
+    /// no file loses anything.
+    std::string (*losses)(const FileView& file) = nullptr;
 };
 
 /// Writes the file with moved points, and with directions that are carried by gradients, if there

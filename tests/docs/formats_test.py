@@ -24,8 +24,9 @@ MARK = r"[`\"'*]*"
 SEPARATOR = rf"{MARK}(?:,|;|\||\s*/)?(?:\s|\n[/#*\s]*)*(?:(?:or|and)(?:\s|\n[/#*\s]*)+)?{MARK}"
 LIST = re.compile(rf"{MARK}{EXTENSION}(?:{SEPARATOR}{EXTENSION}){{2,}}")
 
-# Formats that belong together: PLOT3D's extensions, and the models of VTK.
-FAMILIES = {frozenset((".xyz", ".p3d", ".fmt", ".g", ".x", ".grd", ".ufmt")), frozenset((".vtp", ".vtu", ".vtk"))}
+# Formats that belong together: the extensions of Nastran and of PLOT3D, and the models of VTK.
+FAMILIES = {frozenset((".bdf", ".nas", ".fem")),
+            frozenset((".xyz", ".p3d", ".fmt", ".g", ".x", ".grd", ".ufmt")), frozenset((".vtp", ".vtu", ".vtk"))}
 
 
 def registry():

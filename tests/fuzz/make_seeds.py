@@ -369,6 +369,44 @@ MARKER_ELEMS= 1
 5 0 2 1
 """)
     put("su2", "plane", "NZONE= 1\nIZONE= 1\nNDIME= 2\nNELEM= 1\n9 0 1 2 3\nNPOIN= 4\n0 0\n1 0\n1 1\n0 1\n")
+    put("bdf", "fields", "BEGIN BULK\n"
+        "GRID           1              0.      0.      0. $ a\n"
+        "GRID*                  2                              1.              0.*\n*                     0.\n"
+        "GRID*   3                               0.              1.              \nGRID,4,,,,1.+0\n"
+        "CTETRA         1       1       1       2       3       4\nCQUAD4,2,1,1,2,3,4\nENDDATA\n")
+    put("bdf", "curved", "".join(f"GRID,{i},,{i}.,{i * i}.\n" for i in range(1, 11))
+        + "CTETRA,1,1,1,2,3,4,5,6,\n,7,8,9,10\nCTRIA6,2,1,1,2,3,4,,6\nINCLUDE 'a'\n")
+    put("inp", "parts", "*Heading\n*Part, name=a\n*Node\n1, 0, 0, 0\n2, 1, 0., 0\n3, 0, 1.d0, 0\n4, 0, 0, 1\n"
+        "*Element, type=C3D4,\n elset=b\n1, 1, 2,\n3, 4\n*End Part\n*Instance, name=c\n1., 0, 0\n*End Instance\n")
+    put("inp", "plane", "*NODE\n1, 0, 0\n2, 1, 0\n3, 0, 1\n** no\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n")
+    put("inp", "sets", "*NODE, NSET=all\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=a\n"
+        "1, 1, 2, 3, 4\n*NSET, NSET=n, GENERATE\n1, 4, 2\n*ELSET, ELSET=b\na, 1\n*SURFACE, NAME=s\nb, S2\n1, S1\n"
+        "*SURFACE, TYPE=NODE, NAME=t\nn, 1.\n")
+    node = "".join(f"{i:10}         1         1        11\n{x:25.16E}{y:25.16E}{z:25.16E}\n"
+                   for i, (x, y, z) in enumerate(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)), 1))
+    put("unv", "tetrahedron", f"    -1\n  2411\n{node}    -1\n    -1\n  2412\n"
+        "         1       111         2         1         7         4\n         1         2         3         4\n"
+        "         2        21         2         1         7         2\n         0         0         0\n"
+        "         1         2\n         3        91         2         1         7         3\n"
+        "         1         2         3\n    -1\n    -1\n  2467\n"
+        "         1         0         0         0         0         0         0         3\nwall\n"
+        "         8         3         0         0         7         4         0         0\n"
+        "         8         1         0         0\n    -1\n")
+    put("unv", "old", "    -1\n    15\n"
+        + "".join(f"{i:10}         0         0         8{x:13.5E}{y:13.5E}  0.00000D+00\n"
+                  for i, (x, y) in enumerate(((0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)), 1))
+        + "    -1\n    -1\n   780\n 1 42 1 1 1 1 7 6\n 1 4 2 5 3 6\n    -1\n    -1\n  2432\n 5 0 0 0 0 0 0 1\n\n 8 1\n"
+        "    -1\n    -1\n  2420\n1\npart\n 0 1 8\nname\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n    -1\n")
+    head = '(0 "text (")\n(2 3)\n(10 (0 1 4 0))\n'
+    faces = ((1, 2, 3), (1, 4, 2), (2, 4, 3), (3, 4, 1))
+    put("fluent", "text", head + "(10 (1 1 4 1 3)(0 0 0\n1 0 0\n0 1 0\n0 0 1))\n(12 (2 1 1 1 2))\n(13 (3 1 2 3 3)(\n"
+        + "".join(f"{a} {b} {c} 1 0\n" for a, b, c in faces[:2]) + "))\n(13 (4 3 4 7 0)(\n"
+        + "".join(f"3 {a} {b} {c} 1 0\n" for a, b, c in faces[2:]) + "))\n(18 (1 1 3 4)(1 3))\n(45 (3 wall a)())\n")
+    put("fluent", "plane", "(2 2)\n(10 (1 1 4 1 2)(0 0 1 0 1 1 0 1))\n(13 (2 1 4 3 2)(1 2 1 0 2 3 1 0 3 4 1 0 4 1 1 0))\n"
+        "(12 (3 1 1 1 3))\n(39 (2 symmetry b)())\n")
+    put("fluent", "binary", head.encode() + b"(3010 (1 1 4 1 3)("
+        + struct.pack("<12d", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1) + b")\nEnd of Binary Section   3010)\n(3013 (3 1 4 3 3)("
+        + b"".join(struct.pack("<5i", a, b, c, 1, 0) for a, b, c in faces) + b")\nEnd of Binary Section   3013)\n")
     put("mesh", "tetrahedron", "MeshVersionFormatted 2\nDimension 3\nVertices 4\n"
         + "".join(f"{p} 1\n" for p in points)
         + "Corners 1\n1\nTriangles 1\n1 3 2 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n")

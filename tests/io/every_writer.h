@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -102,7 +103,8 @@ inline std::string modelText(const std::string& extension, int pointCount) {
 }
 
 /// Meshes of simulations. OpenFOAM's has a name instead of an extension.
-inline constexpr const char* kMeshExtensions[] = {".su2", ".msh", ".mesh", ".xyz", "points"};
+inline constexpr const char* kMeshExtensions[] = {".su2", ".msh", ".mesh", ".bdf",  ".inp",
+                                                  ".unv", ".cas", ".xyz",  "points"};
 
 /// Returns the name of a file with such an extension.
 inline std::string fileOfMesh(const std::string& extension) {
@@ -117,6 +119,25 @@ inline std::string meshText(const std::string& extension, int pointCount) {
         for (int i = 0; i < pointCount; ++i) text += std::to_string(i) + " ";
         for (int i = 0; i < 2 * pointCount; ++i) text += "0.5 ";
         return text;
+    }
+    if (extension == ".bdf" || extension == ".inp") {
+        std::string text = extension == ".inp" ? "*NODE\n" : "";
+        for (int i = 0; i < pointCount; ++i)
+            text += (extension == ".inp" ? "" : "GRID,") + std::to_string(i + 1) +
+                    (extension == ".inp" ? ", " : ",,") + std::to_string(i) + ",0.5,0.25\n";
+        return text;
+    }
+    if (extension == ".unv") {
+        std::string text = "    -1\n  2411\n";
+        for (int i = 0; i < pointCount; ++i)
+            text += std::to_string(i + 1) + " 1 1 11\n" + std::to_string(i) + " 0.5 0.25\n";
+        return text + "    -1\n";
+    }
+    if (extension == ".cas") {
+        std::ostringstream text;
+        text << "(2 3)\n(10 (1 1 " << std::hex << pointCount << std::dec << " 1 3)(\n";
+        for (int i = 0; i < pointCount; ++i) text << i << " 0.5 0.25\n";
+        return text.str() + "))\n";
     }
     std::string text = extension == ".su2" ? "NDIME= 3\nNPOIN= " + number + "\n"
                        : extension == ".msh"

@@ -47,8 +47,8 @@ TEST(Formats, HaveNoExtensionTwice) {
 TEST(Formats, OfLatticesAndModelsAreListedWithTheMeshesApart) {
     EXPECT_EQ(listOfFormats(FileContent::Lattice, FileUse::Write), ".ovm, .vtu or .vtk");
     EXPECT_EQ(listOfFormats(FileContent::Lattice, FileUse::Read),
-              ".ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .su2, .mesh, .xyz, .p3d, "
-              ".fmt, .g, .x, .grd, .ufmt or an OpenFOAM case)");
+              ".ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .su2, .mesh, .bdf, .nas, "
+              ".fem, .inp, .unv, .cas, .xyz, .p3d, .fmt, .g, .x, .grd, .ufmt or an OpenFOAM case)");
     EXPECT_EQ(listOfFormats(FileContent::Mesh, FileUse::Read), ".obj");
     EXPECT_EQ(listOfFormats(FileContent::Matrix, FileUse::Read), ".mtx, .npz or .petsc");
     EXPECT_EQ(listOfFormats(FileContent::Matrix, FileUse::Write), ".mtx, .npz, .npy or .petsc");
@@ -77,8 +77,9 @@ TEST(Formats, OfModelsHaveASampleForTests) {
     for (const std::string& extension : test::modelExtensions()) samples.insert(extension);
     for (const std::string extension : test::kMeshExtensions) samples.insert(extension);
     for (const std::string& extension : extensionsOf(FileContent::Model, FileUse::Read)) {
-        // These are the same format as .xyz.
-        const std::set<std::string> others = {".p3d", ".fmt", ".g", ".x", ".grd", ".ufmt"};
+        // These are the same formats as .xyz and .bdf.
+        const std::set<std::string> others = {".p3d", ".fmt",  ".g",   ".x",
+                                              ".grd", ".ufmt", ".nas", ".fem"};
         if (others.contains(extension)) continue;
         EXPECT_TRUE(samples.contains(extension)) << extension;
     }

@@ -83,7 +83,11 @@ TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
         EXPECT_REFUSED(FileError, message, readModel("a.msh", bytes)->readCells());
     };
     expectRefused("", "a.msh:1: the file ends; expected $MeshFormat");
-    expectRefused("(0 \"Fluent\")", "a.msh:1: expected a section such as $Nodes, got '(0'");
+    expectRefused("<mesh>", "a.msh:1: expected a section such as $Nodes, got '<mesh>'");
+    expectRefused(
+        "$NOD\n1\n1 0 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n",
+        "a.msh:1: the file is of the version 1 of Gmsh's format; write the mesh with gmsh "
+        "FILE -save -format msh41");
     expectRefused(replaced(good, "2.2 0", "4 0"),
                   "a.msh:2: the version of the format is '4'; expected 2.2 or 4.1: write the mesh "
                   "with gmsh");

@@ -140,9 +140,11 @@ TEST(LatticeFiles, UnknownExtensionsAreRefused) {
                           ".ovm, .vtu or .vtk" +
                           others);
         };
-        expectRefusal([&] { io::readLattice(name, ""); },
-                      ", or the mesh of a simulation (.msh, .su2, .mesh, .xyz, .p3d, .fmt, .g, .x, "
-                      ".grd, .ufmt or an OpenFOAM case)");
+        expectRefusal(
+            [&] { io::readLattice(name, ""); },
+            ", or the mesh of a simulation (.msh, .su2, .mesh, .bdf, .nas, .fem, .inp, .unv, .cas, "
+            ".xyz, .p3d, .fmt, .g, .x, "
+            ".grd, .ufmt or an OpenFOAM case)");
         expectRefusal([&] { io::writeLattice(name, boxLattice()); });
         expectRefusal([&] { io::checkLatticeTarget(name); });
     }

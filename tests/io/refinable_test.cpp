@@ -54,6 +54,7 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
     EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
               "a.stl: is not of a known format of curves, meshes or lattices; "
               "expected .obj, .ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .su2, .mesh, "
+              ".bdf, .nas, .fem, .inp, .unv, .cas, "
               ".xyz, .p3d, .fmt, .g, .x, .grd, .ufmt or an OpenFOAM case)");
 }
 
