@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <utility>
 
 namespace espalier::cages {
@@ -127,6 +128,37 @@ HexahedronEnergy hexahedronEnergy(const std::array<Index, 8>& vertices,
     return result;
 }
 
+/// Returns the limits of all vertices of a level. A vertex that comes from a vertex of the level
+/// before has the same limit as that one.
+/// \param before the limits of the level before; empty for level 0
+stencils::StencilTable<double> limitsOf(const far::TopologyRefiner& refiner, int level,
+                                        const stencils::StencilTable<double>& before) {
+    const Index count = refiner.level(level).complex.count(0);
+    std::vector<Index> newVertices;
+    std::vector<std::optional<Index>> parents(count);
+    for (Index vertex = 0; vertex < count; ++vertex) {
+        const Entity parent = refiner.refinement(level).parentOf({0, vertex}).upper;
+        if (parent.dimension == 0 && parent.index < before.rowCount())
+            parents[vertex] = parent.index;
+        else
+            newVertices.push_back(vertex);
+    }
+    const auto ofNew = limit::buildVertexLimits(refiner, level, newVertices);
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
+    Index next = 0;
+    for (const auto& parent : parents) {
+        const auto& table = parent ? before : ofNew;
+        const Index row = parent ? *parent : next++;
+        columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
+        weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {stencils::Trusted(), ofNew.columnCount(), std::move(offsets), std::move(columns),
+            std::move(weights)};
+}
+
 double dotOf(std::span<const Point3> a, std::span<const Point3> b) {
     double total = 0;
     for (std::size_t i = 0; i < a.size(); ++i) total += dot(a[i], b[i]);
@@ -140,7 +172,7 @@ CellShapes::CellShapes(const far::TopologyRefiner& refiner) {
     for (int k = 0; k <= kLevel; ++k) {
         LevelCells cells;
         const far::CellComplex& complex = refiner.level(k).complex;
-        if (k > 0) cells.table = limit::buildVertexLimits(refiner, k);
+        if (k > 0) cells.table = limitsOf(refiner, k, levels_.back().table);
         for (Index cell = 0; cell < complex.count(3); ++cell) {
             const auto vertices = far::hexahedronVertices(complex, CellId(cell));
             if (!vertices) continue;

@@ -107,10 +107,9 @@ struct CubeGrid {
                 least = distance;
             });
         };
-        // Rows of a few rings take less time than ring after ring.
-        constexpr Index kFewRings = 3;
         const double reachOfBest = (std::sqrt(least) + slack) / size + 1;
         const Index ringsToVisit = reachOfBest < rings ? static_cast<Index>(reachOfBest) : rings;
+        // Rows of a few rings take less time than ring after ring.
         if (ringsToVisit <= kFewRings) {
             forEachRunInBox(centre, ringsToVisit, squareTo, isWanted, visitRun);
             return best;
@@ -129,25 +128,35 @@ struct CubeGrid {
     }
 
 private:
+    static constexpr Index kFewRings = 3;
+
     /// As forEachRunInRing(), for the cubes up to the distance `rings`, from the middle outwards.
+    /// \param rings at most kFewRings
     template <class SquareTo, class IsWanted, class Visit>
     void forEachRunInBox(const std::array<Index, 3>& centre, Index rings, SquareTo squareTo,
                          IsWanted isWanted, Visit visit) const {
-        const auto forEachNear = [&](int axis, auto visitCoordinate) {
+        std::array<Index, 3> low, high;
+        std::array<std::array<double, 2 * kFewRings + 1>, 3> squares;  // of low to high
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::max(centre[axis] - rings, 0);
+            high[axis] = std::min(centre[axis] + rings, counts[axis] - 1);
+            for (Index i = low[axis]; i <= high[axis]; ++i)
+                squares[axis][i - low[axis]] = squareTo(axis, i);
+        }
+        const auto forEachNear = [&](int axis, auto visitPlace) {
             for (Index i = 0; i <= 2 * rings; ++i) {
                 const Index coordinate = centre[axis] + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
-                if (coordinate >= 0 && coordinate < counts[axis]) visitCoordinate(coordinate);
+                if (coordinate >= low[axis] && coordinate <= high[axis])
+                    visitPlace(coordinate, squares[axis][coordinate - low[axis]]);
             }
         };
-        forEachNear(2, [&](Index z) {
-            const double ofZ = squareTo(2, z);
+        forEachNear(2, [&](Index z, double ofZ) {
             if (!isWanted(ofZ)) return;
-            forEachNear(1, [&](Index y) {
-                const double ofRow = ofZ + squareTo(1, y);
-                Index first = std::max(centre[0] - rings, 0);
-                Index last = std::min(centre[0] + rings, counts[0] - 1);
-                while (first <= last && !isWanted(ofRow + squareTo(0, first))) ++first;
-                while (first <= last && !isWanted(ofRow + squareTo(0, last))) --last;
+            forEachNear(1, [&](Index y, double ofY) {
+                const double ofRow = ofZ + ofY;
+                Index first = low[0], last = high[0];
+                while (first <= last && !isWanted(ofRow + squares[0][first - low[0]])) ++first;
+                while (first <= last && !isWanted(ofRow + squares[0][last - low[0]])) --last;
                 if (first <= last) visit(cubeAt({first, y, z}), cubeAt({last, y, z}));
             });
         });
