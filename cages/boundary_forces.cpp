@@ -137,7 +137,6 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
     const std::vector<Point3> irregular = surface_.irregularVertices(fine);
     const CageSurface::Faces& faces = surface_.fineFaces();
     const std::span<const std::array<Index, 4>> loops = faces.loops;
-    std::vector<Point3> hull;
     fineFaces_.assign(loops.size(), {});
     for (std::size_t f = 0; f < loops.size(); ++f) {
         checkCancelledEvery(f, 12);
@@ -147,15 +146,18 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
         const Point3 normal = cross(difference(fine[c], fine[a]), difference(fine[d], fine[b]));
         const double size = length(normal);
         if (size > 0) face.normal = scaled(normal, 1 / size);
+        double lowest = dot(face.normal, face.centre);
+        const double height = lowest;
         if (faces.isPatch[f] != 0) {
-            faces.limitHull(static_cast<Index>(f), fine, hull);
+            lowest = std::min(
+                lowest, faces.lowestOfPatch(static_cast<Index>(f), fine, face.normal));
         } else {
-            hull.assign({fine[a], fine[b], fine[c], fine[d]});
+            for (const Index vertex : loops[f])
+                lowest = std::min(lowest, dot(face.normal, fine[vertex]));
             for (const Index vertex : surface_.irregularHull(static_cast<Index>(f)))
-                hull.push_back(irregular[vertex]);
+                lowest = std::min(lowest, dot(face.normal, irregular[vertex]));
         }
-        for (const Point3& point : hull)
-            face.depth = std::max(face.depth, dot(face.normal, difference(face.centre, point)));
+        face.depth = height - lowest;
         // Deeper hulls are of faces that are still folded.
         face.depth = std::min(face.depth, 0.1 * edge_);
     }

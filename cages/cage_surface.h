@@ -56,10 +56,10 @@ public:
         void limitHull(Index face, std::span<const Point3> vertices,
                        std::vector<Point3>& hull) const;
 
-    private:
-        /// Returns the control points of the patch of a face, if its limit is one patch.
-        std::optional<std::array<Index, 16>> controlPoints(const far::Level& level,
-                                                           Index face) const;
+        /// Returns the least dot product of a direction with the points of limitHull() of a face
+        /// whose limit is one patch.
+        double lowestOfPatch(Index face, std::span<const Point3> vertices,
+                             const Point3& direction) const;
     };
     const Faces& fineFaces() const { return *fineFaces_; }
     std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
