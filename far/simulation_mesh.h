@@ -6,6 +6,7 @@
 #include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ struct MeshPatch {
 
     /// The points of the elements, ascending.
     std::vector<Index> points = {};
+
+    /// The number of its first face among the faces of the volume, where the others follow. Only of
+    /// OpenFOAM.
+    std::optional<Index> firstFace = {};
+
+    /// The points of its lines, the two ends of a line first, in the order of the file.
+    Rows<Index> lines = {};
 
     /// The patch of the same faces on the other side of a periodic mesh; empty if there is none.
     std::string partner = {};

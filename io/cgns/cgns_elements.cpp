@@ -223,6 +223,8 @@ private:
                 return visitor_.smallCell(0, {});
             case CGNS_ENUMV(BAR_2):
                 return visitor_.smallCell(1, points(numbers));
+            case CGNS_ENUMV(BAR_3):
+                return visitor_.curvedCell(1, points(checkedNumbers(type, numbers)));
             case CGNS_ENUMV(TRI_3):
             case CGNS_ENUMV(QUAD_4):
                 return visitor_.face(points(numbers));

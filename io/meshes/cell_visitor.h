@@ -59,7 +59,8 @@ public:
     /// one, and more.
     /// \param dimension 1 to 3
     /// \param points of a cell of second order, in the order of far::cellPoints(); of a face of
-    ///        second order, in the order of far::SurfaceMesh::addFace(). Empty for all others
+    ///        second order, in the order of far::SurfaceMesh::addFace(); of a line of any order,
+    ///        its two ends first. Empty for all others
     virtual void curvedCell(int dimension, std::span<const Index> points) = 0;
 
     /// An element of a type that the reader does not know.

@@ -263,8 +263,9 @@ private:
             }
             visitor.cell(*type.kind, nodes_);
         } else if (type.isCurved) {
-            visitor.curvedCell(type.dimension,
-                               type.isSecondOrderFace ? nodes_ : std::vector<Index>{});
+            visitor.curvedCell(type.dimension, type.isSecondOrderFace || type.dimension == 1
+                                                   ? nodes_
+                                                   : std::vector<Index>{});
         } else if (type.dimension == 2) {
             visitor.face(nodes_);
         } else {

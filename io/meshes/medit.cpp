@@ -40,7 +40,7 @@ constexpr ElementSection kElementSections[] = {
     {"Pyramids", 3, 5, far::StandardCell::Pyramid},
     {"Prisms", 3, 6, far::StandardCell::Wedge},
     {"Hexahedra", 3, 8, far::StandardCell::Hexahedron},
-    {"EdgesP2", 1, 3, {}, true},
+    {"EdgesP2", 1, 3, {}, true, true},
     {"TrianglesP2", 2, 6, {}, true, true},
     {"QuadrilateralsQ2", 2, 9, {}, true, true},
     {"TetrahedraP2", 3, 10, {}, true, true},

@@ -108,12 +108,18 @@ void MeshCells::face(std::span<const Index> points) {
 }
 
 void MeshCells::smallCell(int dimension, std::span<const Index> points) {
-    if (dimension == 1) patches_.add(1, points);
+    if (dimension == 1) line(points);
+}
+
+void MeshCells::line(std::span<const Index> points) {
+    patches_.add(1, points);
+    patches_.addLine(points);
 }
 
 void MeshCells::curvedCell(int dimension, std::span<const Index> points) {
     if (dimension == 3 && !points.empty()) return cell(*far::kindOfCell(points.size()), points);
     if (dimension == 3) ++curvedCells_;
+    if (dimension == 1 && !points.empty()) return line(points);
     if (dimension != 2) return;
     if (points.empty()) {
         ++curvedFaces_;

@@ -46,6 +46,8 @@ public:
     ModelCells finish(std::span<const Point3> positions);
 
 private:
+    void line(std::span<const Index> points);
+
     /// Gives the faces of a mesh without a volume, or counts the faces that are no faces of cells.
     void giveFaces(ModelCells& cells, Index pointCount) const;
 

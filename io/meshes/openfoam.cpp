@@ -163,6 +163,7 @@ std::vector<far::MeshPatch> readPatches(const Path& points, const far::VolumeMes
         far::MeshPatch& result = patches.emplace_back(far::MeshPatch{patch.name, patch.type});
         result.partner = patch.neighbourPatch;
         result.dimension = 2;
+        result.firstFace = patch.startFace;
         for (Index face = patch.startFace; face < patch.startFace + patch.faceCount; ++face) {
             const auto corners = mesh.face(face);
             result.points.insert(result.points.end(), corners.begin(), corners.end());

@@ -57,6 +57,10 @@ void PatchCollector::addFace(std::span<const Index> corners) {
     for (const Index number : current_) patches_[number].faces.push(corners);
 }
 
+void PatchCollector::addLine(std::span<const Index> points) {
+    for (const Index number : current_) patches_[number].lines.push(points);
+}
+
 std::vector<far::MeshPatch> PatchCollector::take() {
     for (std::size_t number = 0; number < patches_.size(); ++number) {
         auto& [list, bits] = points_[number];

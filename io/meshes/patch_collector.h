@@ -22,6 +22,9 @@ public:
     /// Adds the corners of a face.
     void addFace(std::span<const Index> corners);
 
+    /// Adds the points of a line, its two ends first.
+    void addLine(std::span<const Index> points);
+
     /// Returns the groups that have points, in the order in which they began. This must not be used
     /// afterwards.
     std::vector<far::MeshPatch> take();

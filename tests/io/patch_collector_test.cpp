@@ -49,6 +49,27 @@ TEST(PatchCollector, ReadsMarkersOfSu2) {
     EXPECT_THAT(groups[1].read(), ElementsAre(2, 3));
 }
 
+// Lines of second order are lines with a point in the middle, which follows the ends.
+TEST(PatchCollector, ReadsCurvedLines) {
+    const std::string points = "0 0 0 1\n1 0 0 1\n0 1 0 1\n.5 0 0 1\n.5 .5 0 1\n0 .5 0 1\n";
+    const std::string gmsh =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 .5 0 0\n"
+        "5 .5 .5 0\n6 0 .5 0\n$EndNodes\n$Elements\n2\n1 9 2 7 1 1 2 3 4 5 6\n2 8 2 5 1 1 2 4\n"
+        "$EndElements\n";
+    const std::string medit = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n" + points +
+                              "TrianglesP2 1\n1 2 3 4 5 6 7\nEdgesP2 1\n1 2 4 5\nEnd\n";
+    for (const auto& [name, text] :
+         {std::pair<std::string, std::string>{"a.msh", gmsh}, {"a.mesh", medit}}) {
+        const auto patches = readModel(name, text)->readCells().patches;
+        ASSERT_EQ(patches.size(), 2u) << name;
+        EXPECT_EQ(patches[1].name, "line 5");
+        EXPECT_EQ(patches[1].dimension, 1);
+        EXPECT_THAT(patches[1].points, ElementsAre(0, 1, 3));
+        ASSERT_EQ(patches[1].lines.count(), 1u);
+        EXPECT_THAT(patches[1].lines[0], ElementsAre(0, 1, 3));
+    }
+}
+
 TEST(PatchCollector, ReadsPhysicalGroupsOfGmsh2) {
     const std::string text =
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a \"\"wall\"\"\"\n3 7 "
