@@ -343,6 +343,28 @@ bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshP
     return largest <= kFulfilled * size_;
 }
 
+std::vector<CoupledFace> ConstraintPatches::coupledFaces(
+    std::span<const far::MeshPatch> patches) const {
+    std::vector<CoupledFace> coupled;
+    for (const Checked& checked : checked_) {
+        const far::MeshPatch& patch = patches[checked.patch];
+        if (patch.type != "cyclic") continue;
+        const auto partner = std::ranges::find(patches, patch.partner, &far::MeshPatch::name);
+        if (!patch.firstFace || !partner->firstFace) continue;
+        // The motion goes from the patch to its partner.
+        CoupledFace face;
+        for (std::size_t row = 0; row < 3; ++row)
+            for (std::size_t column = 0; column < 3; ++column)
+                face.rotation[row][column] = checked.axes[column][row];
+        for (Index i = 0; i < patch.faceCount(); ++i) {
+            face.face = *patch.firstFace + i;
+            face.image = *partner->firstFace + i;
+            coupled.push_back(face);
+        }
+    }
+    return coupled;
+}
+
 std::vector<PatchDeviation> ConstraintPatches::check(std::span<const Point3> points) const {
     if (points.size() != rest_.size())
         throw Error(concat("got ", points.size(), " positions for ", rest_.size(), " points"));

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/simulation_mesh.h>
+#include <espalier/solve/mesh_quality.h>
 
 #include <array>
 #include <cstddef>
@@ -68,6 +69,11 @@ public:
     /// \param points positions of all points in a pose
     /// \throws Error if `points` does not fit
     std::vector<PatchDeviation> check(std::span<const Point3> points) const;
+
+    /// Returns the faces of OpenFOAM's `cyclic` patches that are fulfilled at rest, for
+    /// meshQuality(). checkMesh couples no others: the faces of `cyclicAMI` have no single image.
+    /// \param patches those of the constructor
+    std::vector<CoupledFace> coupledFaces(std::span<const far::MeshPatch> patches) const;
 
 private:
     /// The points of a patch in one plane.

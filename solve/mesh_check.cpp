@@ -31,10 +31,12 @@ MeshCheck::MeshCheck(far::SimulationMesh mesh, std::span<const Point3> rest,
       check_(mesh_.isSurface() ? ValidityCheck(mesh_.surface, rest)
                                : ValidityCheck(mesh_.volume, rest)),
       constraints_(mesh_.patches, rest),
+      coupled_(constraints_.coupledFaces(mesh_.patches)),
       before_(qualityAt(rest)) {}
 
 MeshQuality MeshCheck::qualityAt(std::span<const Point3> points) const {
-    return meshQuality(mesh_, rest_, points);
+    return mesh_.isSurface() ? surfaceQuality(mesh_.surface, rest_, points)
+                             : meshQuality(mesh_.volume, points, coupled_);
 }
 
 Index MeshCheck::solverErrors(const MeshQuality& quality) const {

@@ -117,6 +117,7 @@ private:
     std::vector<Point3> rest_;
     ValidityCheck check_;
     ConstraintPatches constraints_;
+    std::vector<CoupledFace> coupled_;
     MeshQuality before_;
 };
 

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/vector3.h>
+#include <espalier/solve/constraint_patches.h>
 #include <espalier/solve/mesh_quality.h>
 
 #include <algorithm>
@@ -132,11 +133,20 @@ void keepSmallest(std::optional<Value>& kept, const Value& value) {
 struct FaceMeasures {
     std::optional<FaceValue> smallestCosine, largestSkewness;
     double sumOfCosines = 0;
-    Index severe = 0, beyondRightAngle = 0, negativePyramids = 0;
+    Index cosineCount = 0, severe = 0, beyondRightAngle = 0, negativePyramids = 0;
 };
 
+/// Returns for each face of the boundary its coupling; null if it has none.
+std::vector<const CoupledFace*> couplingsOf(const far::VolumeMesh& mesh,
+                                            std::span<const CoupledFace> coupled) {
+    std::vector<const CoupledFace*> couplings(mesh.faceCount() - mesh.internalFaceCount());
+    for (const CoupledFace& each : coupled) couplings[each.face - mesh.internalFaceCount()] = &each;
+    return couplings;
+}
+
 FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> positions,
-                          const Centres& centres, Index first, Index last) {
+                          const Centres& centres, std::span<const CoupledFace* const> couplings,
+                          Index first, Index last) {
     constexpr double kSevereAngle = 70;
     const double severe = std::cos(kSevereAngle / 180 * std::numbers::pi);
     FaceMeasures measures;
@@ -148,17 +158,32 @@ FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> p
             measures.negativePyramids += volume < -kSmall ? 1 : 0;
         };
         countPyramid(dot(area, toCentre) / 3);
+        // checkMesh counts large angles at both coupled faces, and has one of them in the mean.
+        const auto countAngle = [&](const Point3& toNeighbour, bool isInMean) {
+            const double cosine = orthogonality(toNeighbour, area);
+            if (isInMean) {
+                keepSmallest(measures.smallestCosine, {face, cosine});
+                measures.sumOfCosines += cosine;
+                ++measures.cosineCount;
+            }
+            measures.severe += cosine < severe ? 1 : 0;
+            measures.beyondRightAngle += cosine > kSmall ? 0 : 1;
+        };
         Point3 line;
         const bool isInternal = face < mesh.internalFaceCount();
+        const CoupledFace* const coupling =
+            isInternal ? nullptr : couplings[face - mesh.internalFaceCount()];
         if (isInternal) {
             const Point3& neighbour = centres.ofCells[mesh.neighbour(face)];
             countPyramid(dot(area, difference(neighbour, centre)) / 3);
             line = difference(neighbour, owner);
-            const double cosine = orthogonality(line, area);
-            keepSmallest(measures.smallestCosine, {face, cosine});
-            measures.sumOfCosines += cosine;
-            measures.severe += cosine < severe ? 1 : 0;
-            measures.beyondRightAngle += cosine > kSmall ? 0 : 1;
+            countAngle(line, true);
+        } else if (coupling) {
+            const Point3 beyond = difference(centres.ofCells[mesh.owner(coupling->image)],
+                                             centres.ofFaces[coupling->image]);
+            const auto& [x, y, z] = coupling->rotation;
+            line = sum(toCentre, {dot(x, beyond), dot(y, beyond), dot(z, beyond)});
+            countAngle(line, face < coupling->image);
         } else {
             const Point3 normal = scaled(area, 1 / (length(area) + kRootVerySmall));
             line = scaled(normal, dot(normal, toCentre));
@@ -166,7 +191,7 @@ FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> p
         constexpr double kInternalShare = 0.2, kBoundaryShare = 0.4;
         keepLargest(measures.largestSkewness,
                     {face, skewness(mesh.face(face), positions, centre, area, toCentre, line,
-                                    isInternal ? kInternalShare : kBoundaryShare)});
+                                    isInternal || coupling ? kInternalShare : kBoundaryShare)});
     }
     return measures;
 }
@@ -190,10 +215,17 @@ double scaledJacobian(far::StandardCell kind, std::span<const Index> corners,
     return smallest / regularDeterminant(kind);
 }
 
-MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> positions) {
+MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> positions,
+                        std::span<const CoupledFace> coupled) {
     if (std::ssize(positions) != mesh.pointCount())
         throw Error(concat("got ", positions.size(), " positions for a mesh of ", mesh.pointCount(),
                            " points"));
+    for (const CoupledFace& each : coupled)
+        for (const Index face : {each.face, each.image})
+            if (face < mesh.internalFaceCount() || face >= mesh.faceCount())
+                throw Error(concat("a coupled face is ", face, "; the faces of the boundary are ",
+                                   mesh.internalFaceCount(), " to ", mesh.faceCount() - 1));
+    const auto couplings = couplingsOf(mesh, coupled);
     Centres centres(mesh, positions);
     std::vector<double> jacobians(mesh.cellCount());
     parallelFor(mesh.cellCount(), kGrain, [&](Offset first, Offset last) {
@@ -210,8 +242,9 @@ MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> pos
     });
     std::vector<FaceMeasures> ofRanges((mesh.faceCount() + kGrain - 1) / kGrain);
     parallelFor(mesh.faceCount(), kGrain, [&](Offset first, Offset last) {
-        ofRanges[first / kGrain] = measureFaces(mesh, positions, centres, static_cast<Index>(first),
-                                                static_cast<Index>(last));
+        ofRanges[first / kGrain] =
+            measureFaces(mesh, positions, centres, couplings, static_cast<Index>(first),
+                         static_cast<Index>(last));
     });
 
     MeshQuality quality;
@@ -222,17 +255,19 @@ MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> pos
     }
     std::optional<FaceValue> smallestCosine;
     double sumOfCosines = 0;
+    Index cosineCount = 0;
     for (const FaceMeasures& range : ofRanges) {
         if (range.smallestCosine) keepSmallest(smallestCosine, *range.smallestCosine);
         if (range.largestSkewness) keepLargest(quality.largestSkewness, *range.largestSkewness);
         sumOfCosines += range.sumOfCosines;
+        cosineCount += range.cosineCount;
         quality.severelyNonOrthogonal += range.severe;
         quality.beyondRightAngle += range.beyondRightAngle;
         quality.negativePyramids += range.negativePyramids;
     }
     if (smallestCosine) {
         quality.largestNonOrthogonality = {smallestCosine->face, degrees(smallestCosine->value)};
-        quality.meanNonOrthogonality = degrees(sumOfCosines / mesh.internalFaceCount());
+        quality.meanNonOrthogonality = degrees(sumOfCosines / cosineCount);
     }
     return quality;
 }
@@ -274,8 +309,9 @@ MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3>
 
 MeshQuality meshQuality(const far::SimulationMesh& mesh, std::span<const Point3> rest,
                         std::span<const Point3> positions) {
-    return mesh.isSurface() ? surfaceQuality(mesh.surface, rest, positions)
-                            : meshQuality(mesh.volume, positions);
+    if (mesh.isSurface()) return surfaceQuality(mesh.surface, rest, positions);
+    const ConstraintPatches constraints(mesh.patches, rest);
+    return meshQuality(mesh.volume, positions, constraints.coupledFaces(mesh.patches));
 }
 
 }  // namespace espalier::solve

@@ -7,6 +7,7 @@
 #include <espalier/far/standard_cells.h>
 #include <espalier/solve/validity.h>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,8 +26,9 @@ struct FaceValue {
 /// counts.
 ///
 /// All but the scaled Jacobian are, for straight cells, defined as in OpenFOAM 1912
-/// (primitiveMeshTools), for the centres of faces and cells that OpenFOAM computes. Coupled patches
-/// count as boundaries.
+/// (primitiveMeshTools), for the centres of faces and cells that OpenFOAM computes. A pair of
+/// coupled faces (CoupledFace) counts as an internal face for angles and skewness; the other
+/// coupled patches, as of processors or of OpenFOAM's `cyclicAMI`, count as boundaries.
 struct MeshQuality {
     /// The smallest scaled Jacobian of the tetrahedra, pyramids, wedges and hexahedra
     /// (scaledJacobian()); empty if there are only polyhedra.
@@ -53,7 +55,8 @@ struct MeshQuality {
     double meanNonOrthogonality = 0;
 
     /// Number of internal faces whose angle is above 70 degrees: the faces that checkMesh calls
-    /// severe, and those above 90 degrees, which it counts apart as errors.
+    /// severe, and those above 90 degrees, which it counts apart as errors. As for checkMesh, each
+    /// of two coupled faces counts.
     Index severelyNonOrthogonal = 0;
 
     /// Number of internal faces whose angle is above 90 degrees, or exactly 90: checkMesh refuses
@@ -66,13 +69,24 @@ struct MeshQuality {
     std::optional<FaceValue> largestSkewness;
 };
 
+/// A face of a periodic patch, whose cell borders on the cell of another face. Each of the two
+/// faces has such an entry.
+struct CoupledFace {
+    Index face = 0;
+    Index image = 0;  ///< the face of the partner
+
+    /// The rows of the rotation that turns the cell at the image to the side of the face.
+    std::array<Point3, 3> rotation = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+
 /// Measures a mesh.
+/// \param coupled the faces of periodic patches: faces of the boundary
 /// \param mesh its cells are right-handed, that is their loops are anticlockwise seen from outside
 /// \param positions one per point
 /// \throws Error if `positions` does not fit
 /// \cost O(points of faces), in parallel: 1 µs per hexahedron
-ESPALIER_API MeshQuality meshQuality(const far::VolumeMesh& mesh,
-                                     std::span<const Point3> positions);
+ESPALIER_API MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> positions,
+                                     std::span<const CoupledFace> coupled = {});
 
 /// Measures the faces of a surface, which are its cells: the smallest scaled Jacobian and the
 /// smallest area along the normals of ValidityCheck, and the faces whose area is not positive. The
@@ -87,7 +101,8 @@ ESPALIER_API MeshQuality meshQuality(const far::VolumeMesh& mesh,
 ESPALIER_API MeshQuality surfaceQuality(const far::SurfaceMesh& mesh, std::span<const Point3> rest,
                                         std::span<const Point3> positions);
 
-/// Measures the cells of a mesh: meshQuality() of its volume, or surfaceQuality() of its surface.
+/// Measures the cells of a mesh: meshQuality() of its volume with its coupled faces
+/// (ConstraintPatches::coupledFaces()), or surfaceQuality() of its surface.
 /// \param rest, positions one per point
 /// \throws Error if `rest` or `positions` does not fit
 ESPALIER_API MeshQuality meshQuality(const far::SimulationMesh& mesh, std::span<const Point3> rest,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
 #include <espalier/solve/constraint_patches.h>
 
 #include <cmath>
@@ -218,6 +219,23 @@ TEST(ConstraintPatches, PeriodicPatchesStayImages) {
         for (const PatchDeviation& deviation : check.check(pose)) {
             EXPECT_FALSE(deviation.isBroken) << angle << " " << deviation.distance;
         }
+        // Only OpenFOAM has numbers of faces.
+        EXPECT_THAT(check.coupledFaces(patches), IsEmpty());
+        std::vector<far::MeshPatch> numbered = patches;
+        numbered[0].firstFace = 10;
+        numbered[1].firstFace = 20;
+        const auto coupled = ConstraintPatches(numbered, rest).coupledFaces(numbered);
+        ASSERT_EQ(coupled.size(), 4u);
+        EXPECT_EQ(coupled[1].face, 11);
+        EXPECT_EQ(coupled[1].image, 21);
+        EXPECT_EQ(coupled[2].face, 20);
+        EXPECT_EQ(coupled[2].image, 10);
+        // The rotation of face 11 turns vectors at face 21 back.
+        const Point3 vector = difference(rest[5], rest[4]), back = difference(rest[1], rest[0]);
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(dot(coupled[1].rotation[c], vector), back[c], 1e-14);
+        for (far::MeshPatch& patch : numbered) patch.type = "cyclicAMI";
+        EXPECT_THAT(ConstraintPatches(numbered, rest).coupledFaces(numbered), IsEmpty());
         pose[6][1] += 1e-6;
         ASSERT_EQ(check.check(pose).size(), 2u);
         for (const PatchDeviation& deviation : check.check(pose)) {

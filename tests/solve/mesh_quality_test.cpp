@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values derived by hand; tests/hosts compares with checkMesh itself.
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/solids.h>
 #include <espalier/solve/mesh_quality.h>
@@ -79,6 +80,63 @@ TEST(MeshQuality, OfABentBar) {
     EXPECT_NEAR(quality.largestNonOrthogonality->value, std::atan(s / 2) * 180 / pi, 1e-9);
     EXPECT_NEAR(quality.largestSkewness->value, s, 1e-12);  // On x = 2: s/2 over ½.
     EXPECT_GE(quality.largestSkewness->face, mesh.internalFaceCount());
+}
+
+/// Returns the face of a boundary whose centre is at a place.
+Index faceAt(const far::VolumeMesh& mesh, const Positions& positions, const Point3& place) {
+    for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face)
+        if (length(difference(faceCentre(mesh.face(face), positions).centre, place)) < 1e-9)
+            return face;
+    throw Error("no face there");
+}
+
+// The bars above, periodic along x. The face at x = 0 of the sheared one is then as the face at x =
+// 1, and so the skewness is that of the sides. The ends of the bent one are s apart: the line from
+// the centre of the second cube, (1.5, 0.5 + s/2), goes to (2.5, 0.5 + s), and passes the end x = 2
+// at 0.5 + 3/4 s, where its centre is at 0.5 + s: skewness s/2.
+TEST(MeshQuality, OfPeriodicPatches) {
+    for (const double s : {0.25, 1.0, 3.0}) {
+        const Lattice box = shapes::box({.cells = {2, 1, 1}, .max = {2, 1, 1}});
+        Positions sheared = box.positions;
+        for (Point3& p : sheared) p[1] += s * p[0];
+        const far::VolumeMesh mesh = volumeMeshOf(box.complex);
+        const Index first = faceAt(mesh, sheared, {0, 0.5, 0.5}),
+                    last = faceAt(mesh, sheared, {2, 0.5 + 2 * s, 0.5});
+        const CoupledFace coupled[] = {{first, last}, {last, first}};
+        const MeshQuality quality = meshQuality(mesh, sheared, coupled);
+        EXPECT_NEAR(quality.largestNonOrthogonality->value, std::atan(s) * 180 / pi, 1e-9);
+        EXPECT_NEAR(quality.meanNonOrthogonality, std::atan(s) * 180 / pi, 1e-9);
+        EXPECT_EQ(quality.severelyNonOrthogonal, s > 2.75 ? 3 : 0);
+        EXPECT_NEAR(quality.largestSkewness->value, s / (1 + s * s), 1e-12);
+
+        Positions bent = box.positions;
+        for (Point3& p : bent) p[1] += p[0] == 2 ? s : 0;
+        const MeshQuality ofBent = meshQuality(mesh, bent, coupled);
+        EXPECT_NEAR(ofBent.largestNonOrthogonality->value, std::atan(s / 2) * 180 / pi, 1e-9);
+        // The sides of the second cube are sheared as above.
+        EXPECT_NEAR(ofBent.largestSkewness->value, std::max(s / 2, s / (1 + s * s)), 1e-12);
+        const CoupledFace inside[] = {{0, last}};
+        EXPECT_REFUSED(Error, "a coupled face is 0; the faces of the boundary are 1 to 10",
+                       meshQuality(mesh, bent, inside));
+    }
+}
+
+// A quarter of a ring of one cell, with the corners (1, 0), (2, 0), (0, 2) and (0, 1). Its centre
+// is at x = y = (2 · 2/3 − ½ · 1/3) / 1.5 = 7/9. The next cell is this one, turned by −90 degrees:
+// its centre is below at (7/9, −7/9), straight across the face y = 0, whose centre is at 1.5 and
+// which extends by ½. The skewness is (1.5 − 7/9) / ½ = 13/9.
+TEST(MeshQuality, OfPatchesThatAreTurned) {
+    const Lattice box = shapes::box({.cells = {1, 1, 1}});
+    Positions ring = box.positions;
+    for (Point3& p : ring) p = p[1] == 0 ? Point3{1 + p[0], 0, p[2]} : Point3{0, 1 + p[0], p[2]};
+    const far::VolumeMesh mesh = volumeMeshOf(box.complex);
+    const Index first = faceAt(mesh, ring, {1.5, 0, 0.5}), last = faceAt(mesh, ring, {0, 1.5, 0.5});
+    const CoupledFace coupled[] = {{first, last, {{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}},
+                                   {last, first, {{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}}}};
+    EXPECT_FALSE(meshQuality(mesh, ring).largestNonOrthogonality);
+    const MeshQuality quality = meshQuality(mesh, ring, coupled);
+    EXPECT_NEAR(quality.largestNonOrthogonality->value, 0, 1e-6);
+    EXPECT_NEAR(quality.largestSkewness->value, 13.0 / 9, 1e-12);
 }
 
 TEST(MeshQuality, CountsCellsThatAreInsideOut) {
