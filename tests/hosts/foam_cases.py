@@ -20,12 +20,18 @@ def dictionary(name, text):
     return f"FoamFile\n{{\n version 2.0; format ascii; class dictionary; object {name};\n}}\n{text}\n"
 
 
+class ProgramFailed(RuntimeError):
+    def __init__(self, command, output):
+        super().__init__(f"{command} failed:\n{output[-3000:]}")
+        self.output = output
+
+
 def run(case, *command, timeout=300):
     """Runs a program in the folder of a case, and returns what it prints."""
     result = subprocess.run(command, cwd=case, env=ENVIRONMENT, text=True, timeout=timeout,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if result.returncode != 0:
-        raise RuntimeError(f"{command} failed:\n{result.stdout[-3000:]}")
+        raise ProgramFailed(command, result.stdout)
     return result.stdout
 
 
@@ -64,6 +70,45 @@ def block_mesh(case, cells=(6, 6, 6), grading=(1, 2, 4), **options):
         );"""))
     run(case, "blockMesh")
     return case
+
+
+def mesh_of_block(case, vertices, block, patches):
+    """One block with patches of given types: {name: (type and further entries, faces)}."""
+    case = make_case(case)
+    boundary = "".join(f"{name} {{type {kind}; faces ({faces});}}\n" for name, (kind, faces) in patches.items())
+    (case / "system/blockMeshDict").write_text(dictionary(
+        "blockMeshDict", f"scale 1; vertices ({vertices}); blocks (hex {block} simpleGrading (1 2 1)); edges (); "
+                         f"boundary ({boundary});"))
+    run(case, "blockMesh")
+    return case
+
+
+BOX_VERTICES = "(0 0 0)(1 0 0)(1 1 0)(0 1 0)(0 0 1)(1 0 1)(1 1 1)(0 1 1)"
+
+
+def flat_mesh(case):
+    """A mesh of two dimensions, periodic along x, over a plane of symmetry."""
+    return mesh_of_block(case, BOX_VERTICES, "(0 1 2 3 4 5 6 7) (6 5 1)", {
+        "left": ("cyclic; neighbourPatch right", "(0 4 7 3)"), "right": ("cyclic; neighbourPatch left", "(2 6 5 1)"),
+        "bottom": ("symmetryPlane", "(1 5 4 0)"), "top": ("wall", "(3 7 6 2)"),
+        "frontAndBack": ("empty", "(0 3 2 1) (4 5 6 7)")})
+
+
+def periodic_mesh(case):
+    """A box that is periodic along x and z."""
+    return mesh_of_block(case, BOX_VERTICES, "(0 1 2 3 4 5 6 7) (4 4 4)", {
+        "left": ("cyclic; neighbourPatch right", "(0 4 7 3)"), "right": ("cyclic; neighbourPatch left", "(2 6 5 1)"),
+        "back": ("cyclic; neighbourPatch front", "(0 3 2 1)"), "front": ("cyclic; neighbourPatch back", "(4 5 6 7)"),
+        "bottom": ("symmetry", "(1 5 4 0)"), "top": ("wall", "(3 7 6 2)")})
+
+
+def wedge_mesh(case):
+    """A mesh with an axis of symmetry along x."""
+    return mesh_of_block(case, "(0 0 0)(1 0 0)(1 0.5 -0.02)(0 0.5 -0.02)(1 0.5 0.02)(0 0.5 0.02)",
+                         "(0 1 2 3 0 1 4 5) (8 5 1)", {
+                             "back": ("wedge", "(0 3 2 1)"), "front": ("wedge", "(0 1 4 5)"),
+                             "inlet": ("patch", "(0 0 5 3)"), "outlet": ("patch", "(1 2 4 1)"),
+                             "hull": ("wall", "(3 5 4 2)"), "axis": ("empty", "(0 1 1 0)")})
 
 
 def snappy_mesh(case, cells=5, levels=1, **options):
@@ -140,11 +185,23 @@ def shaken_case(case, rest, poses):
         (case / str(i) / "polyMesh").mkdir(parents=True)
 
 
+class CheckFailed(RuntimeError):
+    """checkMesh ended at a time. Has its output, and the findings of the times before."""
+
+    def __init__(self, output, found):
+        super().__init__(f"checkMesh failed:\n{output[-3000:]}")
+        self.output, self.found = output, found
+
+
 def checked(case, *options):
     """Runs checkMesh on all times, and returns a list of its findings, one dictionary per time."""
-    output = run(case, "checkMesh", *options)
+    try:
+        output, isDone = run(case, "checkMesh", *options), True
+    except ProgramFailed as failed:
+        output, isDone = failed.output, False
     found = []
-    for part in re.split(r"^Time = ", output, flags=re.M)[1:]:
+    parts = re.split(r"^Time = ", output, flags=re.M)[1:]
+    for part in parts if isDone else parts[:-1]:
         def number(pattern, none=None):
             """Returns the number that the pattern finds; 0 if checkMesh printed the text `none` instead."""
             match = re.search(pattern, part)
@@ -169,4 +226,6 @@ def checked(case, *options):
             "is_good": "Mesh OK." in part,
             "text": part,
         })
+    if not isDone:
+        raise CheckFailed(output, found)
     return found

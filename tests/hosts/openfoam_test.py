@@ -6,7 +6,6 @@ Gmsh.
     openfoam_test.py PATH_OF_ESPALIER
 """
 
-import math
 import pathlib
 import random
 import shutil
@@ -15,6 +14,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+import foam_agreement  # noqa: E402
 import foam_cases  # noqa: E402
 import json  # noqa: E402
 import program  # noqa: E402
@@ -46,26 +46,6 @@ class OpenFoam(CliTest):
                                   "-o", case / "%d/polyMesh/points", "--report", "json").stdout
         return json.loads(report)["meshes"]
 
-    def assert_agrees(self, name, ours, theirs):
-        """Compares our report with checkMesh's."""
-        quality = ours["quality"]["after"]
-        self.assertEqual(quality["non_positive_volumes"], theirs["negative_volumes"], name)
-        self.assertEqual(quality["negative_pyramids"], theirs["wrong_pyramids"], name)
-        volume = quality["smallest_volume"]
-        self.assertTrue(math.isclose(volume, theirs["smallest_volume"], rel_tol=1e-9, abs_tol=1e-15),
-                        (name, volume, theirs["smallest_volume"]))
-        # checkMesh computes cosines, and an angle near 0 or 180 degrees has half of their digits.
-        self.assertAlmostEqual(quality["non_orthogonality"], theirs["non_orthogonality"], delta=1e-6)
-        self.assertAlmostEqual(quality["mean_non_orthogonality"], theirs["mean_non_orthogonality"],
-                               delta=1e-6)
-        self.assertEqual(quality["severely_non_orthogonal"],
-                         theirs["severe"] + theirs["orthogonality_errors"], name)
-        self.assertTrue(math.isclose(quality["skewness"], theirs["skewness"], rel_tol=1e-7),
-                        (name, quality["skewness"], theirs["skewness"]))
-        if ours["inverted"]["count"] == 0:
-            self.assertEqual(theirs["negative_volumes"], 0, name)
-            self.assertGreater(theirs["smallest_volume"], 0, name)
-
     def test_checkmesh_agrees_on_random_poses(self):
         for name, make in MESHES.items():
             case = make(self.path / name)
@@ -75,7 +55,7 @@ class OpenFoam(CliTest):
             findings = {found["time"]: found for found in foam_cases.checked(case)}
             valid = inverted = negative = pyramids = 0
             for i, report in enumerate(reports):
-                self.assert_agrees(f"{name} {i}", report, findings[str(i)])
+                self.assertEqual(foam_agreement.differences(report, findings[str(i)]), [], f"{name} {i}")
                 (valid, inverted) = (valid + (report["inverted"]["count"] == 0),
                                      inverted + (report["inverted"]["count"] > 0))
                 negative += findings[str(i)]["negative_volumes"] > 0
@@ -88,6 +68,32 @@ class OpenFoam(CliTest):
             self.assertGreater(valid, POSES // 4, name)
             self.assertGreater(inverted, POSES // 10, name)
             self.assertGreater(negative, 0, name)
+
+    def test_checkmesh_agrees_on_patches(self):
+        poses, largest = 30, 0.25
+        for name, make, slides in (("flat", foam_cases.flat_mesh, ("frontAndBack", "bottom")),
+                                   ("periodic", foam_cases.periodic_mesh, ("bottom",)),
+                                   ("wedge", foam_cases.wedge_mesh, ("back", "front"))):
+            comparison = foam_agreement.Comparison(program.ESPALIER, make(self.path / name))
+            sizes = [largest * (i + 1) / poses for i in range(poses)]
+            free, kept = foam_agreement.Tally(), foam_agreement.Tally()
+            for family, tally, moves, options in (
+                    ("free", free, [comparison.free_moves(size) for size in sizes], ()),
+                    ("kept", kept, [comparison.keeping_moves(size) for size in sizes], ()),
+                    ("slid", foam_agreement.Tally(), [comparison.free_moves(size) for size in sizes],
+                     [option for patch in slides for option in ("--slide", patch)])):
+                for i, (ours, theirs) in enumerate(comparison.judge(moves, *options)):
+                    tally.add(f"{family} {i}", ours, theirs)
+                    if family == "slid":
+                        planes = {patch["name"]: patch["distance"] for patch in ours["patches"]
+                                  if patch["type"] in ("symmetryPlane", "symmetry")}
+                        self.assertLess(max(planes.values(), default=0), 1e-12)
+                self.assertEqual(tally.differences, [], name)
+            # Random poses break the patches, and poses that keep them do not.
+            self.assertEqual((free.counts["broken"], free.counts["broken for both"], kept.counts["broken"]),
+                             (poses, poses, 0), name)
+            self.assertGreater(kept.counts["valid"], poses // 4)
+            self.assertLess(kept.counts["valid"], poses)
 
     def test_the_largest_step_is_valid_for_checkmesh(self):
         for name, make in MESHES.items():
