@@ -95,7 +95,8 @@ ESPALIER_C_API espalier_status espalier_model_attributes(const espalier_model* m
                                                          int32_t* count, const char* const** names);
 
 /// Gives the names of the groups of points (io::Model::groups()). An .obj has groups, objects and
-/// materials; glTF has meshes, nodes and materials. The model owns the names.
+/// materials; glTF has meshes, nodes and materials; a mesh of a simulation has patches, markers or
+/// groups. The model owns the names.
 /// \retval ESPALIER_ERROR_FILE the file is malformed
 /// \cost one pass over the file on the first call
 ESPALIER_C_API espalier_status espalier_model_groups(const espalier_model* model, int32_t* count,
@@ -116,6 +117,47 @@ ESPALIER_C_API espalier_status espalier_model_weights(const espalier_model* mode
                                                       const char* attribute, int32_t group_count,
                                                       const char* const* groups,
                                                       int32_t point_count, double* weights);
+
+/// Holds points of the model: the points in some groups get the weight 0.
+///
+/// \param group_count number of groups
+/// \param groups names of groups, such as the patches of a mesh
+/// \param point_count number of points of the model
+/// \param weights point_count numbers, which are changed for the points in the groups
+/// \retval ESPALIER_ERROR_FILE the model has no group of a name (the message lists the names that
+/// it
+///         has)
+ESPALIER_C_API espalier_status espalier_model_hold(const espalier_model* model, int32_t group_count,
+                                                   const char* const* groups, int32_t point_count,
+                                                   double* weights);
+
+/// Keeps the points of patches in the planes, cylinders, lines or circles that they are on at rest
+/// (solve/sliding_points.h). Immutable; it does not need the model any more.
+typedef struct espalier_sliding_points espalier_sliding_points;
+
+/// Finds the shapes of patches.
+///
+/// \param patch_count number of patches
+/// \param patches names of groups, such as the patches of a mesh
+/// \retval ESPALIER_ERROR_FILE the model has no group of a name
+/// \retval ESPALIER_ERROR_INPUT the points of a patch are on no such shape (the message names a
+///         point and its distance)
+ESPALIER_C_API espalier_status espalier_sliding_points_create(const espalier_model* model,
+                                                              int32_t patch_count,
+                                                              const char* const* patches,
+                                                              espalier_sliding_points** sliding);
+ESPALIER_C_API void espalier_sliding_points_destroy(espalier_sliding_points* sliding);
+
+/// Moves deformed points to the nearest places of their shapes. A point that is where it is at rest
+/// stays.
+///
+/// \param point_count number of points of the model
+/// \param points 3 · point_count numbers, which are changed for the points of the patches
+/// \param largest receives the largest distance that a point was moved back; may be null
+/// \retval ESPALIER_ERROR_INPUT a point finds no place on its shapes; no point is changed then
+ESPALIER_C_API espalier_status espalier_sliding_points_slide(const espalier_sliding_points* sliding,
+                                                             int32_t point_count, double* points,
+                                                             double* largest);
 
 /// Computes the slopes of weights along the faces of the model, for
 /// espalier_bind_options.weight_slopes: at each point the slope in the tangent plane that fits the

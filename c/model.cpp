@@ -3,6 +3,7 @@
 #include <espalier/base/lazy.h>
 #include <espalier/io/model_part.h>
 #include <espalier/io/read_notes.h>
+#include <espalier/solve/sliding_points.h>
 
 #include <algorithm>
 #include <cstring>
@@ -42,8 +43,20 @@ struct espalier_model {
     mutable Lazy<Appearance> appearance = {};
 };
 
+struct espalier_sliding_points {
+    solve::SlidingPoints points;
+    Offset pointCount;
+};
+
 namespace espalier::c {
 namespace {
+
+std::vector<std::string> namesIn(const char* const* names, std::int32_t count, const char* what) {
+    std::vector<std::string> texts;
+    for (const char* const name : c::array(names, count, what))
+        texts.emplace_back(&c::deref(name, what));
+    return texts;
+}
 
 espalier_model* modelOf(const char* name, std::unique_ptr<io::Model> model) {
     std::string notes = io::describe(name, *model);
@@ -198,13 +211,55 @@ espalier_status espalier_model_weights(const espalier_model* model, const char* 
         const auto result = c::array(weights, point_count, "weights");
         io::ModelPart part;
         if (attribute != nullptr) part.weights = attribute;
-        for (const char* const group : c::array(groups, group_count, "groups"))
-            part.groups.emplace_back(&c::deref(group, "groups"));
+        part.groups = c::namesIn(groups, group_count, "groups");
         const auto values = io::weightsOf(own.name, *own.model, part, false).values;
         if (values.empty())
             std::fill(result.begin(), result.end(), 1);
         else
             std::ranges::copy(values, result.begin());
+    });
+}
+
+espalier_status espalier_model_hold(const espalier_model* model, int32_t group_count,
+                                    const char* const* groups, int32_t point_count,
+                                    double* weights) {
+    return c::guarded([&] {
+        const auto& own = c::deref(model, "model");
+        c::checkCount(point_count, std::ssize(own.model->positions()), "points");
+        const auto result = c::array(weights, point_count, "weights");
+        io::ModelPart part;
+        part.holds = c::namesIn(groups, group_count, "groups");
+        for (const Index point : io::heldPointsOf(own.name, *own.model, part)) result[point] = 0;
+    });
+}
+
+espalier_status espalier_sliding_points_create(const espalier_model* model, int32_t patch_count,
+                                               const char* const* patches,
+                                               espalier_sliding_points** sliding) {
+    return c::result(sliding, "sliding", [&] {
+        const auto& own = c::deref(model, "model");
+        std::vector<far::MeshPatch> found;
+        for (const std::string& name : c::namesIn(patches, patch_count, "patches"))
+            found.push_back(io::patchOf(own.name, *own.model, name));
+        const auto rest = own.model->positions();
+        return new espalier_sliding_points{solve::SlidingPoints(found, rest), std::ssize(rest)};
+    });
+}
+
+void espalier_sliding_points_destroy(espalier_sliding_points* sliding) {
+    delete sliding;
+}
+
+espalier_status espalier_sliding_points_slide(const espalier_sliding_points* sliding,
+                                              int32_t point_count, double* points,
+                                              double* largest) {
+    return c::guarded([&] {
+        const auto& own = c::deref(sliding, "sliding");
+        c::checkCount(point_count, own.pointCount, "points");
+        auto moved = c::positions(points, point_count, "points");
+        const auto correction = own.points.slide(moved);
+        std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));
+        if (largest != nullptr) *largest = correction.distance;
     });
 }
 

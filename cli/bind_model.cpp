@@ -144,11 +144,19 @@ void addPartOptions(CLI::App& command, io::ModelPart& part, CommonOptions& optio
                     "or blue of an OBJ. espalier info lists them")
         ->type_name("NAME");
     command
-        .add_option("--only", part.groups,
-                    "Move only the points of these parts of MODEL: groups, objects and materials "
-                    "of an OBJ; meshes, nodes and materials of glTF. espalier info lists them")
+        .add_option(
+            "--only", part.groups,
+            "Move only the points of these parts of MODEL: groups, objects and materials "
+            "of an OBJ; meshes, nodes and materials of glTF; the patches, markers or groups "
+            "of a mesh. espalier info lists them")
         ->allow_extra_args(false)
         ->type_name("GROUP");
+    command
+        .add_option("--hold", part.holds,
+                    "Keep the points of these parts of MODEL still: the patches, markers or groups "
+                    "of a mesh, or parts as for --only. espalier info lists them")
+        ->allow_extra_args(false)
+        ->type_name("NAME");
     command
         .add_option(
             "--falloff", options.falloff,
@@ -214,6 +222,25 @@ void warnOfPointsOutside(const bind::BindingStatistics& binding, const CommonOpt
                     outside, all, outside == 1 ? "is" : "are", outside == 1 ? "stays" : "stay",
                     outside < all ? ", so a pose may tear the model" : "")
             .c_str());
+}
+
+bind::Binding bindHeldPoints(const BindOptions& options, const io::Model& model,
+                             const Lattice& lattice, Stages& stages) {
+    return stages.run("binding held points", [&] {
+        io::ModelPart part = options.part;
+        part.factors.assign(model.positions().size(), 0);
+        for (const Index point : io::heldPointsOf(options.model, model, part))
+            part.factors[point] = 1;
+        part.holds.clear();
+        embed::EmbeddingOptions embedding = options.common.embedding;
+        if (embedding.outside == embed::OutsidePolicy::Error)
+            embedding.outside = embed::OutsidePolicy::Keep;
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        return bind::bindPoints({base, lattice.positions}, model.positions(), targetOf(options),
+                                {.embedding = embedding,
+                                 .weights = io::weightsOf(options.model, model, part, false),
+                                 .falloff = options.common.falloff});
+    });
 }
 
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,

@@ -39,7 +39,7 @@ void addBasisOptions(CLI::App& command, BindOptions& options);
 /// Adds -n and the options of refinement, basis and embedding to a command.
 void addBindingOptions(CLI::App& command, BindOptions& options);
 
-/// Adds --weights, --only and --falloff to a command.
+/// Adds --weights, --only, --hold and --falloff to a command.
 void addPartOptions(CLI::App& command, io::ModelPart& part, CommonOptions& options);
 
 /// Refuses options that the chosen basis cannot use.
@@ -62,6 +62,12 @@ bind::Binding bindModel(const BindOptions& options, const io::Model& model, cons
 osd::DeformedPoints deformModel(const BindOptions& options, const io::Model& model,
                                 const Lattice& lattice, std::span<const std::vector<Point3>> poses,
                                 Stages& stages, bool hasGradients);
+
+/// Binds the points that options.part holds, and no others, as if it did not hold them, in the
+/// stage "binding held points": the binding tells how far a pose would move them. Points outside
+/// the lattice stay.
+bind::Binding bindHeldPoints(const BindOptions& options, const io::Model& model,
+                             const Lattice& lattice, Stages& stages);
 
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
 /// the parts of a model that move may come apart from them. Prints nothing if the command line has

@@ -21,6 +21,7 @@
 #include "commands.h"
 #include "files.h"
 #include "job.h"
+#include "kept_patches.h"
 #include "mesh_check.h"
 #include "run_report.h"
 #include "standard_streams.h"
@@ -31,6 +32,7 @@ namespace {
 struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
+    std::vector<std::string> slides;  ///< the patches whose points slide
     std::string output;
     bool keepNormals = false;     ///< normals, tangents and splats stay as they are
     double framesPerSecond = 24;  ///< the frame rate of an animation
@@ -69,6 +71,7 @@ public:
         : deformed_(&deformed), poses_(poses) {}
 
     std::size_t poseCount() const { return poses_.size(); }
+    const std::vector<Point3>& pose(std::size_t pose) const { return poses_[pose]; }
 
     /// \param isLast the points of this pose are not asked for again
     std::vector<Point3> points(std::size_t pose, bool isLast, Stages& stages) const {
@@ -100,7 +103,15 @@ private:
 struct Deformation {
     const io::Model& model;
     PosedModel posed;
+    KeptPatches& kept;
     bool turnsDirections;  ///< normals, tangents and splats follow
+
+    /// \param isLast the points of this pose are not asked for again
+    std::vector<Point3> points(std::size_t pose, bool isLast, Stages& stages) const {
+        auto points = posed.points(pose, isLast, stages);
+        if (kept.needsPoints()) stages.run("sliding", [&] { kept.keep(points, posed.pose(pose)); });
+        return points;
+    }
 
     void write(const std::filesystem::path& path, const std::vector<Point3>& points,
                std::size_t pose, Stages& stages) const {
@@ -143,13 +154,13 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
     // Refuse a pose before the first one is written.
     const std::size_t poseCount = deformation.posed.poseCount();
     for (std::size_t i = 0; check && options.mesh.noInverted && i < poseCount; ++i) {
-        auto points = deformation.posed.points(i, false, stages);
+        auto points = deformation.points(i, false, stages);
         check->requireValid(check->check(points, options.poses[i], options.mesh, stages),
                             options.poses[i], options.mesh);
     }
     MeshReports reports;
     const auto pointsOf = [&](std::size_t i) {
-        auto points = deformation.posed.points(i, true, stages);
+        auto points = deformation.points(i, true, stages);
         if (!check) return points;
         orWarning(options, "cells not checked: ", [&] {
             const solve::MeshVerdict verdict =
@@ -213,6 +224,18 @@ bool turnsDirections(const io::Model& model, const bind::BindingStatistics& bind
     return binding.hasGradients && asksForDirections(model, options);
 }
 
+/// Finds the patches that slide.
+/// \throws FileError if one cannot slide, or another option cannot go with it
+KeptPatches findKeptPatches(const io::Model& model, const DeformOptions& options, Stages& stages) {
+    KeptPatches kept(options.model, model, options.slides, stages);
+    if (kept.slidesAny() && asksForDirections(model, options))
+        throw io::FileError(options.model,
+                            "has normals, tangents or splats, which follow the lattice and not the "
+                            "points that slide. Add --keep-normals to leave them as they are");
+    if (options.mesh.largestStep) kept.requireStraight();
+    return kept;
+}
+
 /// Returns "5 normals, 5 tangents and 5 splats", without those of which there are none.
 std::string listOf(const io::DirectionCounts& counts) {
     std::string all;
@@ -261,15 +284,17 @@ std::string directionsReport(const io::Model& model, const bind::BindingStatisti
     return fmt::format("{} {} with the model{}", all, isOne ? "turns" : "turn", exceptions);
 }
 
-void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {
+void print(const RunReport& report, const KeptPatches& kept, const MeshReports& meshes,
+           const DeformOptions& options) {
     if (options.common.quiet) return;
     if (options.report == ReportFormat::Json) {
         OrderedJson json = toJson(report);
+        kept.addTo(json);
         if (!meshes.json.empty()) json["meshes"] = meshes.json;
         fmt::print("{}\n", json.dump(2));
     } else {
         printText(report);
-        fmt::print("{}", meshes.text);
+        fmt::print("{}{}", kept.text(), meshes.text);
     }
     const bool isApplied = options.rest.empty();  // espalier bind has warned
     if (!isApplied) warnOfPointsOutside(report.binding, options.common);
@@ -294,6 +319,8 @@ void runDeform(const DeformOptions& options) {
         binding = bindModel(options, *model, rest, stages, hasGradients);
     else
         deformed = deformModel(options, *model, rest, poses, stages, hasGradients);
+    KeptPatches kept = findKeptPatches(*model, options, stages);
+    if (!options.common.quiet) kept.measureHeld(options, *model, rest, stages);
     const bool isChecked = !options.common.quiet || options.mesh.isRequired();
     std::optional<MeshCheck> check;
     if (isChecked) {
@@ -308,10 +335,10 @@ void runDeform(const DeformOptions& options) {
     report.directions = directionsReport(*model, report.binding, options);
     const MeshReports meshes =
         writePoses({*model, binding ? PosedModel(*binding, poses) : PosedModel(deformed, poses),
-                    turnsDirections(*model, report.binding, options)},
+                    kept, turnsDirections(*model, report.binding, options)},
                    options, paths, requiredCheck(check, options), stages);
     report.peakMemory = peakMemory();
-    print(report, meshes, options);
+    print(report, kept, meshes, options);
 }
 
 void runBind(const DeformOptions& options) {
@@ -364,6 +391,7 @@ void runApply(const DeformOptions& options) {
         return io::readPose(path, bound, printable(options.model), notes);
     };
     const auto poses = readPoses(options.poses, read, stages);
+    KeptPatches kept = findKeptPatches(*model, options, stages);
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
     if (options.mesh.isRequired())
@@ -371,11 +399,11 @@ void runApply(const DeformOptions& options) {
                       options.poses.size(), stages);
     RunReport report = reportOf(bound.binding, stages);
     report.directions = directionsReport(*model, report.binding, options);
-    const MeshReports meshes = writePoses({*model, PosedModel(bound.binding, poses),
+    const MeshReports meshes = writePoses({*model, PosedModel(bound.binding, poses), kept,
                                            turnsDirections(*model, report.binding, options)},
                                           options, paths, requiredCheck(check, options), stages);
     report.peakMemory = peakMemory();
-    print(report, meshes, options);
+    print(report, kept, meshes, options);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
@@ -422,6 +450,7 @@ void addDeformCommands(CLI::App& program) {
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
     addPartOptions(deform, deformOptions.part, deformOptions.common);
+    addSlideOption(deform, deformOptions.slides);
     addKeepNormals(deform, deformOptions);
     addMeshOptions(deform, deformOptions.mesh);
     addRunAndReport(deform, deformOptions);
@@ -440,6 +469,7 @@ void addDeformCommands(CLI::App& program) {
         addCommand(program, "apply", "Deform a bound model by each pose of its lattice", runApply);
     apply.add_option("BINDING", applyOptions.model, "The bound model: .espb")->required();
     addPosesAndOutput(apply, applyOptions);
+    addSlideOption(apply, applyOptions.slides);
     addKeepNormals(apply, applyOptions);
     addMeshOptions(apply, applyOptions.mesh);
     addRunAndReport(apply, applyOptions);

@@ -27,6 +27,16 @@ const Item& find(const std::filesystem::path& path, const std::vector<Item>& ite
                                  items.empty() ? "there are none" : "it has " + names));
 }
 
+/// Returns for each point of a model if it is in one of the groups.
+std::vector<bool> areInGroups(const std::filesystem::path& path, const Model& model,
+                              const std::vector<std::string>& names) {
+    const std::vector<PointGroup> groups = model.groups();
+    std::vector<bool> areIn(model.positions().size());
+    for (const std::string& name : names)
+        for (const Index point : find(path, groups, name, "group").read()) areIn[point] = true;
+    return areIn;
+}
+
 }  // namespace
 
 std::vector<double> numbersOf(const std::filesystem::path& path, const Model& model,
@@ -37,6 +47,33 @@ std::vector<double> numbersOf(const std::filesystem::path& path, const Model& mo
         throw FileError(path, concat("has ", numbers.size(), " numbers ", inQuotes(name), " for ",
                                      count, " points"));
     return numbers;
+}
+
+far::MeshPatch patchOf(const std::filesystem::path& path, const Model& model,
+                       const std::string& name) {
+    std::vector<far::MeshPatch> patches = model.readCells().patches;
+    const auto found = std::ranges::find(patches, name, &far::MeshPatch::name);
+    if (found != patches.end()) return std::move(*found);
+    const std::vector<bool> areIn = areInGroups(path, model, {name});
+    far::MeshPatch patch{name};
+    patch.dimension = 2;
+    for (std::size_t i = 0; i < areIn.size(); ++i)
+        if (areIn[i]) patch.points.push_back(static_cast<Index>(i));
+    const ModelFaces faces = model.readSurface().faces;
+    for (std::size_t face = 0; face < faces.count(); ++face)
+        if (std::ranges::all_of(faces[face], [&](Index corner) { return areIn[corner]; }))
+            patch.faces.push(faces[face]);
+    return patch;
+}
+
+std::vector<Index> heldPointsOf(const std::filesystem::path& path, const Model& model,
+                                const ModelPart& part) {
+    std::vector<Index> points;
+    if (part.holds.empty()) return points;
+    const std::vector<bool> areHeld = areInGroups(path, model, part.holds);
+    for (std::size_t i = 0; i < areHeld.size(); ++i)
+        if (areHeld[i]) points.push_back(static_cast<Index>(i));
+    return points;
 }
 
 bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& model,
@@ -59,13 +96,11 @@ bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& mod
         multiply(numbersOf(path, model, part.weights), inQuotes(part.weights));
     if (!part.factors.empty()) multiply(part.factors, "a weight");
     if (!part.groups.empty()) {
-        const std::vector<PointGroup> groups = model.groups();
-        std::vector<bool> isIn(points.size());
-        for (const std::string& name : part.groups)
-            for (const Index point : find(path, groups, name, "group").read()) isIn[point] = true;
+        const std::vector<bool> areIn = areInGroups(path, model, part.groups);
         for (std::size_t i = 0; i < points.size(); ++i)
-            if (!isIn[i]) weights.values[i] = 0;
+            if (!areIn[i]) weights.values[i] = 0;
     }
+    for (const Index point : heldPointsOf(path, model, part)) weights.values[point] = 0;
     return needSlopes ? withSlopes(model, std::move(weights.values)) : weights;
 }
 

@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/bind/point_weights.h>
+#include <espalier/far/simulation_mesh.h>
 #include <espalier/io/model.h>
 
 #include <filesystem>
@@ -24,7 +25,12 @@ struct ModelPart {
     /// Further weights, one per point, by which those of the attribute are multiplied; or none.
     std::vector<double> factors = {};
 
-    bool isWhole() const { return weights.empty() && groups.empty() && factors.empty(); }
+    /// Names of groups: the points in one of them stay, also if they are in one of `groups`.
+    std::vector<std::string> holds = {};
+
+    bool isWhole() const {
+        return weights.empty() && groups.empty() && holds.empty() && factors.empty();
+    }
 };
 
 /// Returns the names of attributes or groups.
@@ -41,8 +47,21 @@ std::vector<std::string> namesOf(const Items& items) {
 ESPALIER_API std::vector<double> numbersOf(const std::filesystem::path& path, const Model& model,
                                            const std::string& name);
 
+/// Returns a group as a patch, with its faces or lines: a patch of a mesh as readCells() gives it;
+/// of another group the faces all of whose corners are in the group.
+/// \param path for messages
+/// \throws FileError if the model has no group of this name (the message lists its names)
+ESPALIER_API far::MeshPatch patchOf(const std::filesystem::path& path, const Model& model,
+                                    const std::string& name);
+
+/// Returns the points that a part holds, ascending.
+/// \throws FileError as weightsOf()
+ESPALIER_API std::vector<Index> heldPointsOf(const std::filesystem::path& path, const Model& model,
+                                             const ModelPart& part);
+
 /// Returns the weights of the points of a part for bind::BindOptions: the attribute, and 0 for the
-/// points in no group of the part. Nothing if the part is the whole model.
+/// points in no group of the part, and for the points that it holds. Nothing if the part is the
+/// whole model.
 ///
 /// \param needSlopes makes the slopes, too, which normals need (withSlopes())
 /// \throws FileError if the model has no attribute or group of a name (the message lists its

@@ -38,8 +38,9 @@ std::vector<double> toWeights(const ArrayLike& object, std::size_t count) {
 /// Returns the weights of a part of a model.
 /// \param weights None, a name or an array
 bind::PointWeights weightsOf(const ModelFile& file, const py::object& weights,
-                             const std::vector<std::string>& only, bool needSlopes) {
-    io::ModelPart part{{}, only};
+                             const std::vector<std::string>& only,
+                             const std::vector<std::string>& hold, bool needSlopes) {
+    io::ModelPart part{.groups = only, .holds = hold};
     if (py::isinstance<py::str>(weights))
         part.weights = weights.cast<std::string>();
     else if (!weights.is_none())
@@ -53,7 +54,8 @@ bind::PointWeights weightsOf(const ModelFile& file, const py::object& weights,
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
                   const std::string& outside, double tolerance, const std::string& basis,
                   bool limit, std::optional<bool> gradients, const py::object& weights,
-                  const std::vector<std::string>& only, double falloff) {
+                  const std::vector<std::string>& only, double falloff,
+                  const std::vector<std::string>& hold) {
     const auto refiner = refinerOf(lattice);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
@@ -71,11 +73,12 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
         atRest = pointsOf(file);
         result->bound.modelName = file.name;
         result->bound.modelBytes = file.bytes;
-        pointWeights = weightsOf(file, weights, only, gradients.value_or(hasDirections));
+        pointWeights = weightsOf(file, weights, only, hold, gradients.value_or(hasDirections));
     } else {
         atRest = toPoints(points, "points");
-        if (py::isinstance<py::str>(weights) || !only.empty())
-            throw Error("weights, only: names need a Model; for points give an array of weights");
+        if (py::isinstance<py::str>(weights) || !only.empty() || !hold.empty())
+            throw Error(
+                "weights, only, hold: names need a Model; for points give an array of weights");
         if (!weights.is_none()) pointWeights.values = toWeights(weights, atRest.size());
     }
     bind::Target target = bind::Level{level};
@@ -279,7 +282,8 @@ Precision, compiling and rounding are as in deform().
     module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
                "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision",
                "limit"_a = false, "gradients"_a = py::none(), "weights"_a = py::none(),
-               "only"_a = std::vector<std::string>(), "falloff"_a = 0.0, R"(
+               "only"_a = std::vector<std::string>(), "falloff"_a = 0.0,
+               "hold"_a = std::vector<std::string>(), R"(
 Binds points to a level of a lattice at rest, or to its limit. Returns a Binding.
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
@@ -302,6 +306,7 @@ weights   : how far each point follows the lattice, 0 to 1: array (N,); or, for 
 only      : names of Model.groups: the points in none of them stay. Default: no point stays
 falloff   : above 0, points outside the lattice follow with the nearest cell, with a weight that falls
             smoothly from 1 at the lattice to 0 at this distance
+hold      : names of Model.groups: the points in one of them stay, such as those of the patch of an inlet
 )");
     module.def(
         "load_binding",

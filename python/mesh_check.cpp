@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/model_part.h>
 #include <espalier/solve/mesh_check.h>
+#include <espalier/solve/sliding_points.h>
 
 #include <pybind11/stl.h>
 
@@ -55,6 +57,33 @@ private:
     solve::MeshCheck check_;
 };
 
+/// The points of patches that slide.
+struct SlidingPoints {
+    std::size_t pointCount;
+    solve::SlidingPoints points;
+};
+
+SlidingPoints slidingPoints(const ModelFile& file, const std::vector<std::string>& patches) {
+    std::vector<far::MeshPatch> found;
+    for (const std::string& name : patches)
+        found.push_back(io::patchOf(file.name, *file.model, name));
+    const auto rest = file.model->positions();
+    return {rest.size(), solve::SlidingPoints(found, rest)};
+}
+
+/// Returns [(kind, origin, direction, radius)] of each patch, by its name.
+py::dict shapesOf(const solve::SlidingPoints& sliding) {
+    py::dict all;
+    for (const auto& patch : sliding.patches()) {
+        py::list shapes;
+        for (const solve::SlideShape& shape : patch.shapes)
+            shapes.append(py::make_tuple(std::string(solve::nameOf(shape.kind)), shape.origin,
+                                         shape.direction, shape.radius));
+        all[py::str(patch.name)] = shapes;
+    }
+    return all;
+}
+
 template <class Value>
 py::object valueOrNone(const std::optional<Value>& value) {
     return value ? py::object(py::float_(value->value)) : py::none();
@@ -79,6 +108,42 @@ py::dict toDict(const solve::MeshQuality& quality) {
 }  // namespace
 
 void addMeshCheck(py::module_& module) {
+    py::class_<SlidingPoints>(module, "SlidingPoints", R"(
+Keeps the points of patches in the planes, cylinders, lines or circles that they are on at rest, while a pose
+moves them. Of a patch with edges, such as the four walls of a channel, each side has a shape of its own, and
+points on an edge stay on both.
+
+model   : Model, such as the mesh of a simulation
+patches : names of Model.groups
+Raises ValueError, which names a patch, a distance and a point, if a side is on none of these shapes. Points on
+cylinders of fewer than eight sides are on planes.
+)")
+        .def(py::init([](const std::shared_ptr<const ModelFile>& model,
+                         const std::vector<std::string>& patches) {
+                 return withoutGil([&] {
+                     return std::make_unique<SlidingPoints>(slidingPoints(*model, patches));
+                 });
+             }),
+             "model"_a.none(false), "patches"_a)
+        .def_property_readonly(
+            "shapes", [](const SlidingPoints& self) { return shapesOf(self.points); }, R"(
+The shapes of each patch: a dict from names to lists of (kind, origin, direction, radius). The kind is "plane",
+"cylinder", "line" or "circle"; the direction is of length 1: the normal of a plane or of the plane of a circle,
+the axis of a cylinder, or the direction of a line.)")
+        .def_property_readonly(
+            "point_count", [](const SlidingPoints& self) { return self.points.pointCount(); },
+            "Number of points that slide: int.")
+        .def(
+            "slide",
+            [](const SlidingPoints& self, const ArrayLike& points) {
+                auto pose = toPoints(points, "points", self.pointCount);
+                const auto correction = withoutGil([&] { return self.points.slide(pose); });
+                return py::make_tuple(toArray(pose), correction.distance);
+            },
+            "points"_a, R"(
+Moves deformed points, array (N, 3), to the nearest places of their shapes, to rounding. Returns all points, array
+(N, 3), and the largest distance that a point was moved back. A point that is where it is at rest stays.
+)");
     py::class_<MeshCheck>(module, "MeshCheck", R"(
 Finds the cells of a mesh that a deformation turns inside out. A cell is checked all over its map:
 trilinear for a hexahedron; for a polyhedron linear on the tetrahedra of OpenFOAM's decomposition; quadratic

@@ -106,8 +106,9 @@ byte for byte, unless it is written in another format. Made by read_model().
             [](const ModelFile& self) {
                 return io::namesOf(withoutGil([&] { return self.model->groups(); }));
             },
-            "Names of the groups, objects and materials of an OBJ, and of the meshes, nodes and "
-            "materials of glTF: list of str, for bind().")
+            "Names of the groups, objects and materials of an OBJ, of the meshes, nodes and "
+            "materials of glTF, and of the patches, markers and groups of a mesh: list of str, for "
+            "bind() and SlidingPoints.")
         .def(
             "attribute",
             [](const ModelFile& self, const std::string& name) {

@@ -51,6 +51,7 @@ __all__ = [
     "RigidPose",
     "RigidPull",
     "SectionVariables",
+    "SlidingPoints",
     "StencilTable",
     "ThreadLimit",
     "ValidityCheck",

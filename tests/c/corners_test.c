@@ -582,6 +582,8 @@ static void test_models(void) {
     int32_t count = 0;
     OK(espalier_model_read_bytes("four.obj", sizeof four - 1, four, &model));
     OK(espalier_model_points(model, &count, &points));
+    espalier_sliding_points *sliding = NULL, *none = NULL;
+    OK(espalier_sliding_points_create(model, 0, NULL, &none));
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         if (lengths[i] < 0) /* AddressSanitizer ends the program for a size that no memory has */
             REFUSES(espalier_model_read_bytes("four.obj", lengths[i], four, &made_model));
@@ -591,12 +593,17 @@ static void test_models(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
         if (n == count) continue;
-        double weights[4], slopes[12];
+        double weights[4] = {0}, slopes[12] = {0};
         REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
         REFUSES(espalier_model_weights(model, NULL, 0, NULL, n, weights));
         if (n != 0) REFUSES(espalier_model_weights(model, NULL, n, NULL, count, weights));
         REFUSES(espalier_model_weight_slopes(model, n, weights, slopes));
+        REFUSES(espalier_model_hold(model, 0, NULL, n, weights));
+        if (n != 0) REFUSES(espalier_model_hold(model, n, NULL, count, weights));
+        if (n != 0) REFUSES(espalier_sliding_points_create(model, n, NULL, &sliding));
+        REFUSES(espalier_sliding_points_slide(none, n, slopes, NULL));
     }
+    espalier_sliding_points_destroy(none);
     espalier_model_destroy(model);
 }
 

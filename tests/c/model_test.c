@@ -110,7 +110,14 @@ static void test_parts(void) {
     OK(espalier_model_weight_slopes(model, 4, weights, slopes));
     CHECK(fabs(slopes[3] + 0.5) < 1e-15 && fabs(slopes[4] + 0.25) < 1e-15); /* rounding */
     CHECK(fabs(slopes[5]) < 1e-15);
+    OK(espalier_model_hold(model, 1, names + 1, 4, weights));
+    CHECK(weights[0] == 0 && weights[1] == 0.5 && weights[2] == 0 && weights[3] == 0);
+    INVALID(espalier_model_hold(model, 1, NULL, 4, weights), "groups is null");
+    INVALID(espalier_model_hold(model, 0, NULL, 3, weights), "4");
+    INVALID(espalier_model_hold(model, 0, NULL, 4, NULL), "weights is null");
     const char* const wrong[] = {"a", "c"};
+    REFUSED(espalier_model_hold(model, 2, wrong, 4, weights), ESPALIER_ERROR_FILE,
+            "has no group 'c' of points; it has 'a', 'b'");
     REFUSED(espalier_model_weights(model, NULL, 2, wrong, 4, weights), ESPALIER_ERROR_FILE,
             "has no group 'c' of points; it has 'a', 'b'");
     REFUSED(espalier_model_weights(model, "bend", 0, NULL, 4, weights), ESPALIER_ERROR_FILE,
@@ -122,6 +129,43 @@ static void test_parts(void) {
     model = tetrahedron();
     OK(espalier_model_attributes(model, &count, &names));
     CHECK(count == 0);
+    espalier_model_destroy(model);
+}
+
+/* The four walls of a bar: the points of a corner stay on the line of two planes, and all four
+ * corners of the end stay with both patches. */
+static void test_sliding_points(void) {
+    static const char text[] =
+        "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 3 0 0\nv 3 1 0\nv 3 1 1\nv 3 0 1\n"
+        "g walls\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\ng end\nf 1 4 3 2\n";
+    espalier_model* model = NULL;
+    OK(espalier_model_read_bytes("bar.obj", sizeof text - 1, text, &model));
+    const char* const names[] = {"walls", "end", "none"};
+    espalier_sliding_points* sliding = NULL;
+    OK(espalier_sliding_points_create(model, 2, names, &sliding));
+    int32_t count = 0;
+    const double* rest = NULL;
+    OK(espalier_model_points(model, &count, &rest));
+    double points[24], largest = -1;
+    for (int i = 0; i < 24; ++i) points[i] = rest[i] + 0.1 * (i % 3 + 1);
+    OK(espalier_sliding_points_slide(sliding, 8, points, &largest));
+    for (int i = 0; i < 24; ++i) {
+        const double moved = i >= 12 && i % 3 == 0 ? 0.1 : 0;
+        CHECK(fabs(points[i] - rest[i] - moved) < 1e-15); /* rounding */
+    }
+    /* The corners of the end were moved by (0.1, 0.2, 0.3). */
+    CHECK(fabs(largest - sqrt(0.14)) < 1e-15);
+    OK(espalier_sliding_points_slide(sliding, 8, points, NULL));
+    INVALID(espalier_sliding_points_slide(sliding, 7, points, NULL), "8");
+    INVALID(espalier_sliding_points_slide(sliding, 8, NULL, NULL), "points is null");
+    INVALID(espalier_sliding_points_slide(NULL, 8, points, NULL), "sliding is null");
+    espalier_sliding_points_destroy(sliding);
+    espalier_sliding_points_destroy(NULL);
+    REFUSED(espalier_sliding_points_create(model, 3, names, &sliding), ESPALIER_ERROR_FILE,
+            "has no group 'none' of points");
+    INVALID(espalier_sliding_points_create(model, 1, NULL, &sliding), "patches is null");
+    INVALID(espalier_sliding_points_create(model, 1, names, NULL), "sliding is null");
+    INVALID(espalier_sliding_points_create(NULL, 1, names, &sliding), "model is null");
     espalier_model_destroy(model);
 }
 
@@ -251,6 +295,7 @@ int main(int argc, char** argv) {
     snprintf(path, sizeof path, "%s/model.obj", argv[1]);
     test_reading(path);
     test_parts();
+    test_sliding_points();
     test_appearance();
     test_editing();
     return 0;

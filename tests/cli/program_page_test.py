@@ -63,7 +63,7 @@ EXCEPTIONS = {
 }
 
 # Options that mean something else in a command than in the table.
-OF_THEIR_OWN = {("pose", "--falloff")}
+OF_THEIR_OWN = {("pose", "--falloff"), ("fit", "--hold")}
 
 # Values of the options whose rows do not list any. Flags have no value. All other options get their
 # values from the table.
@@ -73,6 +73,8 @@ SAMPLES = {
     "--keep-normals": [[]],
     "--weights": [["red"], ["green"]],
     "--only": [["part"]],
+    "--hold": [["part"]],
+    "--slide": [["part"]],
     "--falloff": [["0.5"]],
     "--level-tables": [[]],
     "--json": [[]],

@@ -159,6 +159,40 @@ TEST(ModelParts, AreAttributesTimesGroups) {
     EXPECT_TRUE(weightsOf("a.obj", *points, {"red", {}}, true).slopes.empty());
 }
 
+TEST(ModelParts, HoldPoints) {
+    const auto model = readModel("a.obj",
+                                 "v 0 0 0 1 .5 0\nv 1 0 0 .5 0 1\nv 1 1 0 .25 0 1\nv 0 1 0 2e-1 0 "
+                                 "1\ng a\nf 1 2 3\ng b\nf 1 3 4\n");
+    EXPECT_EQ(weightsOf("a.obj", *model, {.holds = {"b"}}, false).values, (NumberList{0, 1, 0, 0}));
+    EXPECT_EQ(weightsOf("a.obj", *model, {.weights = "red", .groups = {"a"}, .holds = {"b"}}, false)
+                  .values,
+              (NumberList{0, 0.5, 0, 0}));
+    EXPECT_THAT(heldPointsOf("a.obj", *model, {.holds = {"b", "a"}}), ElementsAre(0, 1, 2, 3));
+    EXPECT_THAT(heldPointsOf("a.obj", *model, {.groups = {"a"}}), IsEmpty());
+    EXPECT_REFUSED(FileError, "a.obj: has no group 'c' of points; it has 'a', 'b'",
+                   heldPointsOf("a.obj", *model, {.holds = {"c"}}));
+}
+
+// A group of an OBJ has the faces within it; a patch of a mesh is as the mesh has it.
+TEST(ModelParts, ArePatchesWithFaces) {
+    const auto model = readModel(
+        "a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 2 0\ng a\nf 1 2 3\ng b\nf 1 3 4\n");
+    const far::MeshPatch patch = patchOf("a.obj", *model, "b");
+    EXPECT_EQ(patch.name, "b");
+    EXPECT_EQ(patch.dimension, 2);
+    EXPECT_THAT(patch.points, ElementsAre(0, 2, 3));
+    ASSERT_EQ(patch.faceCount(), 1);
+    EXPECT_THAT(patch.faces[0], ElementsAre(0, 2, 3));
+    EXPECT_REFUSED(FileError, "a.obj: has no group 'c'", patchOf("a.obj", *model, "c"));
+    const auto mesh = readModel("a.su2",
+                                "NDIME= 2\nNELEM= 1\n9 0 1 2 3\nNPOIN= 4\n0 0\n1 0\n1 1\n0 1\n"
+                                "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 2\n3 0 1\n3 1 2\n");
+    const far::MeshPatch wall = patchOf("a.su2", *mesh, "wall");
+    EXPECT_EQ(wall.dimension, 1);
+    ASSERT_EQ(wall.lines.count(), 2u);
+    EXPECT_THAT(wall.lines[1], ElementsAre(1, 2));
+}
+
 TEST(ModelParts, ThatDoNotExistAreRefusedWithTheNames) {
     const auto model =
         readModel("a.obj", "v 0 0 0 1 .5 0\nv 1 0 0 .5 1.5 1\nv 0 1 0 0 0 0\ng a b\nf 1 2 3\n");

@@ -74,3 +74,63 @@ def test_a_pose_is_shortened_until_it_is_valid(model):
     assert check.shorten(model.positions, criterion="solver")[1] == 1
     with pytest.raises(ValueError, match="criterion"):
         check.shorten(moved, criterion="other")
+
+
+def write_pipe(path):
+    """Two layers of hexahedra in a quarter of a pipe: 16 sides would go around it."""
+    angles = np.linspace(0, np.pi / 2, 5)
+    points = np.array([(r * np.cos(a), r * np.sin(a), z) for z in (0, 0.5, 1) for r in (1, 2) for a in angles])
+    at = np.arange(30).reshape(3, 2, 5)
+    cells, hull, low = [], [], []
+    for k in range(2):
+        for i in range(4):
+            corners = [(k + c, b, i + a) for c in (0, 1) for b, a in ((0, 0), (1, 0), (1, 1), (0, 1))]
+            cells.append([12, *(at[c] for c in corners)])
+            hull.append([9, at[k, 1, i], at[k, 1, i + 1], at[k + 1, 1, i + 1], at[k + 1, 1, i]])
+    for i in range(4):
+        low.append([9, at[0, 0, i], at[0, 1, i], at[0, 1, i + 1], at[0, 0, i + 1]])
+
+    def rows(numbers):
+        return "".join(" ".join(map(str, row)) + "\n" for row in numbers)
+    path.write_text(f"NDIME= 3\nNELEM= {len(cells)}\n{rows(cells)}NPOIN= 30\n{rows(points.tolist())}NMARK= 2\n"
+                    f"MARKER_TAG= hull\nMARKER_ELEMS= {len(hull)}\n{rows(hull)}"
+                    f"MARKER_TAG= low\nMARKER_ELEMS= 4\n{rows(low)}")
+    return espalier.read_model(path)
+
+
+def test_points_of_patches_slide(tmp_path):
+    model = write_pipe(tmp_path / "pipe.su2")
+    sliding = espalier.SlidingPoints(model, ["hull", "low"])
+    (kind, origin, direction, radius), = sliding.shapes["hull"]
+    assert (kind, direction, sliding.point_count) == ("cylinder", [0, 0, 1], 20)
+    np.testing.assert_allclose([*origin[:2], radius], [0, 0, 2], atol=1e-14)
+    assert sliding.shapes["low"][0][0] == "plane"
+    pose = model.positions + np.random.default_rng(1).uniform(-0.1, 0.1, (30, 3))
+    points, distance = sliding.slide(pose)
+    hull = np.hypot(*model.positions[:, :2].T) > 1.5
+    low = model.positions[:, 2] == 0
+    np.testing.assert_allclose(np.hypot(*points[hull, :2].T), 2, rtol=1e-15)
+    assert np.all(points[low, 2] == 0)
+    np.testing.assert_array_equal(points[~hull & ~low], pose[~hull & ~low])
+    np.testing.assert_array_equal(points[hull & ~low, 2], pose[hull & ~low, 2])
+    assert distance == pytest.approx(np.linalg.norm(points - pose, axis=1).max(), rel=1e-12)
+    points, distance = sliding.slide(model.positions)
+    np.testing.assert_array_equal(points, model.positions)
+    assert distance == 0
+    with pytest.raises(ValueError, match="has no group 'x' of points; it has 'hull', 'low'"):
+        espalier.SlidingPoints(model, ["x"])
+    with pytest.raises(ValueError, match="points"):
+        sliding.slide(pose[1:])
+
+
+def test_points_of_patches_are_held(tmp_path):
+    model = write_pipe(tmp_path / "pipe.su2")
+    rest = espalier.shapes.box(cells=(2, 2, 2), min=(-1, -1, -1), max=(3, 3, 3))
+    binding = espalier.bind(rest, model, hold=["low"])
+    assert list(binding.kept) == list(range(10))
+    pose = rest.positions + (0, 0, 1)
+    points = binding.deform(pose)
+    np.testing.assert_array_equal(points[:10], model.positions[:10])
+    np.testing.assert_allclose(points[10:], model.positions[10:] + (0, 0, 1), atol=1e-14)
+    with pytest.raises(ValueError, match="weights, only, hold: names need a Model"):
+        espalier.bind(rest, model.positions, hold=["low"])
