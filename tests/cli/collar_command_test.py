@@ -130,6 +130,29 @@ class Collar(CliTest):
             points = self.read_points("moved.obj")
             self.assertLess(max(abs(p[1]) for p in points[:200]), 1e-17, options)
 
+    def test_data_named_held_of_another_kind_stay(self):
+        points = [(i >> a & 1 for a in range(3)) for i in range(8)]
+        lines = ["# vtk DataFile Version 3.0", "a cube", "ASCII", "DATASET UNSTRUCTURED_GRID", "POINTS 8 double"]
+        lines += [" ".join(map(str, p)) for p in points]
+        lines += ["CELLS 1 9", "8 0 1 3 2 4 5 7 6", "CELL_TYPES 1", "12", "POINT_DATA 8", "SCALARS held int 1",
+                  "LOOKUP_TABLE default", "0 1 2 0 0 0 0 0"]
+        self.put("user.vtk", "\n".join(lines) + "\n")
+        self.assertEqual(self.run_program("pose", "user.vtk", "--move", 1, 0, 0, "-o", "moved.vtk").stdout,
+                         "moved.vtk: 8 of 8 vertices moved\n")
+        self.assertIn(b"held", self.bytes("moved.vtk"))
+        self.assertIn('point data with the name "held" that are not integers 0 and 1',
+                      self.error_of("shape", "collar", "user.vtk", "--layers", 1, "--reach", 1, "-o", "x.vtk"))
+
+    def test_refusals_name_a_vertex_and_what_works(self):
+        self.run_program("shape", "box", "--cells", 2, 1, 1, "--max", 2, 1, 1, "-o", "a.vtu")
+        self.run_program("shape", "box", "--cells", 1, 1, 1, "--min", 0, 1, 0, "--max", 1, 2, 1, "-o", "b.vtu")
+        self.run_program("shape", "merge", "a.vtu", "b.vtu", "-o", "l.vtu")
+        message = self.error_of("shape", "collar", "l.vtu", "--layers", 3, "--reach", 0.25, "-o", "x.ovm")
+        self.assertRegex(message, r"cells would be thicker than twice the reach near vertex \d+ of the lattice at "
+                                  r"\(.*\); a collar of 1 layer works")
+        text = self.run_program("shape", "collar", "l.vtu", "--layers", 1, "--reach", 0.25, "-o", "x.ovm").stdout
+        self.assertIn("a collar of 1 layer and 16 held vertices reaches 0.", text)
+
     def test_refuses_wrong_options(self):
         for options, message in (
                 (["--layers", 2], "--reach, --until or --until-model is required"),
