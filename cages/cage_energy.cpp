@@ -167,24 +167,31 @@ double dotOf(std::span<const Point3> a, std::span<const Point3> b) {
 
 }  // namespace
 
-CellShapes::CellShapes(const far::TopologyRefiner& refiner) {
-    weights_.assign(refiner.level(0).complex.count(3), 1.0);
-    for (int k = 0; k <= kLevel; ++k) {
-        LevelCells cells;
-        const far::CellComplex& complex = refiner.level(k).complex;
-        if (k > 0) cells.table = limitsOf(refiner, k, levels_.back().table);
-        for (Index cell = 0; cell < complex.count(3); ++cell) {
-            const auto vertices = far::hexahedronVertices(complex, CellId(cell));
-            if (!vertices) continue;
-            Index base = cell;
-            for (int j = k; j > 0; --j)
-                base = refiner.refinement(j).parentOf({3, base}).upper.index;
-            cells.cells.push_back({*vertices, base});
-        }
-        cells.weight = k == 0 ? 0.5 : 1.0 / std::pow(8.0, k);
-        levels_.push_back(std::move(cells));
-    }
+CellShapes::CellShapes(const far::TopologyRefiner& refiner)
+    : refiner_(refiner), weights_(refiner.level(0).complex.count(3)) {
+    addLevel();
+    addLevel();
     resetWeights();
+}
+
+void CellShapes::addLevel() {
+    const auto k = static_cast<int>(levels_.size());
+    LevelCells cells;
+    const far::CellComplex& complex = refiner_.level(k).complex;
+    if (k > 0) cells.table = limitsOf(refiner_, k, levels_.back().table);
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const auto vertices = far::hexahedronVertices(complex, CellId(cell));
+        if (!vertices) continue;
+        Index base = cell;
+        for (int j = k; j > 0; --j) base = refiner_.refinement(j).parentOf({3, base}).upper.index;
+        cells.cells.push_back({*vertices, base});
+    }
+    cells.weight = k == 0 ? 0.5 : 1.0 / std::pow(8.0, k);
+    levels_.push_back(std::move(cells));
+}
+
+void CellShapes::addAllLevels() {
+    while (levels_.size() <= kLevel) addLevel();
 }
 
 void CellShapes::resetWeights() {
@@ -194,6 +201,7 @@ void CellShapes::resetWeights() {
 }
 
 void CellShapes::examine(std::span<const Index> baseCells) {
+    addAllLevels();
     for (const Index cell : baseCells) isExamined_[cell] = 1;
     activate();
 }
@@ -271,7 +279,8 @@ double CellShapes::workOfEvaluation() const {
     return steps;
 }
 
-std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions) const {
+std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions) {
+    addAllLevels();
     std::vector<double> least(weights_.size(), 1.0);
     for (const LevelCells& level : levels_) {
         std::vector<Point3> refined(positions.begin(), positions.end());

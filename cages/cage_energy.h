@@ -35,7 +35,7 @@ class CellShapes {
 public:
     static constexpr int kLevel = 2;
 
-    /// \param refiner a lattice with levels up to kLevel
+    /// \param refiner a lattice with levels up to kLevel; kept by reference
     explicit CellShapes(const far::TopologyRefiner& refiner);
 
     /// Sets all weights to 1, and examines no cell.
@@ -56,8 +56,10 @@ public:
     double workOfEvaluation() const;
 
     /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of
-    /// the three edges of a corner.
-    std::vector<double> leastJacobians(std::span<const Point3> positions) const;
+    /// the three edges of a corner of level 0, 1 or 2.
+    /// \cost O(cells). The first call, or the first call of examine(), also computes the limits of
+    ///       level 2, which take half of the time that all tables of a fit take
+    std::vector<double> leastJacobians(std::span<const Point3> positions);
 
     Index cellCount() const { return static_cast<Index>(weights_.size()); }
 
@@ -73,11 +75,14 @@ private:
         double weight = 1;
         std::vector<Index> activeCells = {}, activeRows = {};
     };
+    void addLevel();
+    void addAllLevels();
     void activate();
     double evaluateCells(const LevelCells& level, std::span<const Point3> positions,
                          std::span<Point3> gradient) const;
 
-    std::vector<LevelCells> levels_;
+    const far::TopologyRefiner& refiner_;
+    std::vector<LevelCells> levels_;  ///< level 0, level 1 and, when it is first needed, level 2
     std::vector<double> weights_;  ///< one per base cell
     std::vector<char> isExamined_;
 };

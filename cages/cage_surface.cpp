@@ -124,11 +124,11 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     }
     far::TopologyRefiner refiner(std::move(mesh), options);
     refiner.refineUniform(kLevel + 1);
-    fineTable_ = withColumns(stencils::buildStencils(refiner, kLevel), names, complex.count(0));
+    const auto coarse =
+        withColumns(stencils::buildStencils(refiner, kLevel - 1), names, complex.count(0));
+    coarseCentres_ = centresOf(coarse, refiner.level(kLevel - 1).complex);
+    fineTable_ = stencils::multiply(stencils::buildLevelTable(refiner, kLevel), coarse);
     fineCentres_ = centresOf(fineTable_, refiner.level(kLevel).complex);
-    coarseCentres_ = centresOf(
-        withColumns(stencils::buildStencils(refiner, kLevel - 1), names, complex.count(0)),
-        refiner.level(kLevel - 1).complex);
 
     for (Index face = 0; face < refiner.level(kLevel).complex.count(2); ++face)
         coarseOfFine_.push_back(refiner.refinement(kLevel).parentOf({2, face}).upper.index);
