@@ -83,7 +83,8 @@ public:
     FluentMesh readAll(FluentMesh points) {
         mesh_ = std::move(points);
         dimension_ = static_cast<std::int64_t>(mesh_.numbers.dimension);
-        std::ranges::sort(mesh_.nodes, {}, [](const auto& zone) { return zone.first.first; });
+        std::sort(mesh_.nodes.begin(), mesh_.nodes.end(),
+                  [](const auto& a, const auto& b) { return a.first.first < b.first.first; });
         while (file_.next()) {
             const std::int64_t kind = file_.kind();
             if (kind == kCellSection && file_.number(0) > 0)
@@ -163,8 +164,9 @@ private:
     }
 
     Index pointOf(std::int64_t node) const {
-        auto zone = std::ranges::upper_bound(mesh_.nodes, node, {},
-                                             [](const auto& item) { return item.first.first; });
+        auto zone = std::upper_bound(
+            mesh_.nodes.begin(), mesh_.nodes.end(), node,
+            [](std::int64_t number, const auto& item) { return number < item.first.first; });
         if (zone != mesh_.nodes.begin() && node <= (--zone)->first.last)
             return zone->second + static_cast<Index>(node - zone->first.first);
         file_.fail(concat("a face names node ", node, ", which does not exist"));
@@ -210,7 +212,8 @@ private:
 
     /// Throws if two zones have the same cells.
     void checkZones() {
-        std::ranges::sort(mesh_.cells, {}, &FluentZone::first);
+        std::sort(mesh_.cells.begin(), mesh_.cells.end(),
+                  [](const FluentZone& a, const FluentZone& b) { return a.first < b.first; });
         for (std::size_t i = 1; i < mesh_.cells.size(); ++i) {
             const FluentZone &before = mesh_.cells[i - 1], &zone = mesh_.cells[i];
             if (before.last >= zone.first)
@@ -231,7 +234,7 @@ private:
                 if (cell >= 0) cell = indexIn(used, cell);
         for (FluentZone& zone : mesh_.cells) {
             const auto numberOf = [&](std::int64_t cell) {
-                return std::ranges::lower_bound(used, cell) - used.begin();
+                return std::lower_bound(used.begin(), used.end(), cell) - used.begin();
             };
             zone.first = numberOf(zone.first - 1);
             zone.last = numberOf(zone.last) - 1;
@@ -344,7 +347,7 @@ far::Rows<std::pair<Index, bool>> facesOfCells(const FluentMesh& mesh) {
 /// Visits the polygons of a mesh of two dimensions.
 class FluentPolygons {
 public:
-    FluentPolygons(const std::filesystem::path& path, FluentMesh& mesh) : path_(path), mesh_(mesh) {
+    explicit FluentPolygons(FluentMesh& mesh) : mesh_(mesh) {
         orient(mesh_);
         edges_ = facesOfCells(mesh_);
     }
@@ -392,11 +395,11 @@ private:
             if (i > 0) ends_.push_back({from, to, i});
             if (i > 0) ends_.push_back({to, from, i});
         }
-        std::ranges::sort(ends_);
+        std::sort(ends_.begin(), ends_.end());
         isUsed_.assign(edges.size(), false);
         while (loop_.size() <= edges.size()) {
-            auto next = std::ranges::lower_bound(
-                ends_, std::tuple(loop_.back(), Index{-1}, std::size_t{0}));
+            auto next = std::lower_bound(ends_.begin(), ends_.end(),
+                                         std::tuple(loop_.back(), Index{-1}, std::size_t{0}));
             while (next != ends_.end() && std::get<0>(*next) == loop_.back() &&
                    isUsed_[std::get<2>(*next)])
                 ++next;
@@ -411,7 +414,6 @@ private:
         visitor.face(loop_);
     }
 
-    const std::filesystem::path& path_;
     FluentMesh& mesh_;
     far::Rows<std::pair<Index, bool>> edges_;
     /// The ends of the edges of the current cell: a point, the other one, and the edge.
@@ -423,7 +425,7 @@ private:
 void readFluentCells(const std::filesystem::path& path, std::string_view bytes, Index,
                      CellVisitor& visitor) {
     FluentMesh mesh = readFluent(path, bytes);
-    if (mesh.numbers.dimension == 2) return FluentPolygons(path, mesh).visit(visitor);
+    if (mesh.numbers.dimension == 2) return FluentPolygons(mesh).visit(visitor);
     visitVolume(volumeOf(path, mesh), visitor);
 }
 
@@ -471,7 +473,7 @@ ModelCells readFluentModelCells(const FileView& file) {
     ModelCells result;
     if (mesh.numbers.dimension == 2) {
         MeshCells cells;
-        FluentPolygons(file.path, mesh).visit(cells);
+        FluentPolygons(mesh).visit(cells);
         result =
             withPathInErrors(file.path, [&] { return cells.finish(file.numbers.points.values); });
         std::map<std::string, std::string> types;

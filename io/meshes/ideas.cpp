@@ -281,7 +281,8 @@ private:
     /// Sets the names of the groups of an element. Returns false if they have not changed.
     bool setGroups(std::int64_t element, std::vector<std::string>& names) {
         current_.clear();
-        for (auto at = std::ranges::lower_bound(ofElements_, std::pair(element, std::size_t{0}));
+        for (auto at = std::lower_bound(ofElements_.begin(), ofElements_.end(),
+                                        std::pair(element, std::size_t{0}));
              at != ofElements_.end() && at->first == element; ++at)
             current_.push_back(at->second);
         if (current_ == last_) return false;
@@ -371,8 +372,11 @@ IdeasColumns columnsOf(std::string_view bytes, const CoordinateOffsets& offsets)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::size_t first = columns.begin + axis * columns.width;
             const std::size_t at = offsets[axis] - begin;
-            fits = fits && at >= first &&
-                   at + wordAt(bytes, offsets[axis]).size() <= first + columns.width;
+            // The columns have this word alone, with space before it and after them.
+            const std::size_t end = first + columns.width;
+            fits = fits && (at > first || (axis == 0 && first == 0)) && at < end &&
+                   trimmed(line.substr(first, columns.width)) == wordAt(bytes, offsets[axis]) &&
+                   (end >= line.size() || axis < 2 || trimmed(line.substr(end, 1)).empty());
         }
         if (fits) return columns;
     }
@@ -429,7 +433,7 @@ void writeIdeasPoints(std::ostream& out, const FileView& file, std::span<const P
                 // The number ends where the old one did, or at the end of its columns.
                 const std::size_t begin = columns.begin + axis * columns.width;
                 std::size_t end = offsets[axis] - (line.data() - file.bytes.data()) + old.size();
-                if (end - begin < text.size()) end = begin + columns.width;
+                if (end - begin <= text.size()) end = begin + columns.width;
                 text.insert(0, end - begin - text.size(), ' ');
                 old = line.substr(begin, end - begin);
             }

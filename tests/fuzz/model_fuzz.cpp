@@ -43,7 +43,8 @@ void requireConverted(const io::Model& model, const io::ModelSurface& surface,
     });
     // Only floats may be too small for a point.
     const bool isStl = name.ends_with(".stl");
-    require(bytes || isStl, "a model that can be converted is converted", name);
+    require(bytes || isStl || name.ends_with(".glb"), "a model that can be converted is converted",
+            name);
     if (!bytes) return;
     const auto back = io::readModel(name, *bytes);
     const io::ModelSurface copy = back->readSurface();

@@ -159,6 +159,30 @@ TEST(Ideas, NumbersWithoutColumnsKeepAllDigits) {
     EXPECT_EQ(copyOf(readModel("a.unv", result)->positions()), moved);
 }
 
+/// More numbers in the columns of a coordinate, or beside it, stay.
+TEST(Ideas, ColumnsHaveOneNumber) {
+    const std::string text =
+        dataset(2411, "1 0 0 0\n" + real(1) + real(2) + "                3. 4.\n2 0 0 0\n" +
+                          real(1) + real(2) + real(3) + "    5.\n3 0 0 0\n" + "  1." +
+                          std::string(21, ' ') + "2." + std::string(23, ' ') + real(3) + "\n");
+    const auto model = readModel("a.unv", text);
+    const std::vector<Point3> moved = {{1, 2, -1.0 / 3}, {1, 2, -1.0 / 3}, {-1.0 / 3, 2, -1.0 / 3}};
+    const std::string result = written(*model, moved);
+    EXPECT_THAT(result, HasSubstr("                -3.333333333333333E-01 4.\n"));
+    EXPECT_THAT(result, HasSubstr("E+00   -3.333333333333333E-01    5.\n"));
+    // The second number is where the first one could end.
+    EXPECT_THAT(result, HasSubstr("\n  -3.333333333333333E-01" + std::string(21, ' ') + "2."));
+    EXPECT_EQ(copyOf(readModel("a.unv", result)->positions()), moved);
+    // A number at the begin of its columns gets a space before it.
+    const std::string left =
+        dataset(2411, "1 0 0 0\n1." + std::string(24, ' ') + "2." + std::string(23, ' ') + "3.\n");
+    const std::vector<Point3> longer = {{-1.0 / 3, -1.0 / 3, -1.0 / 3}};
+    const std::string replaced = written(*readModel("a.unv", left), longer);
+    EXPECT_EQ(copyOf(readModel("a.unv", replaced)->positions()), longer);
+    const std::string number = "   -3.333333333333333E-01";
+    EXPECT_THAT(replaced, HasSubstr("\n" + number + number + number + "\n"));
+}
+
 /// I-deas has the points between corners on the way around. The points are in the middle of the
 /// corners, so that each order but the right one gives another cell.
 TEST(Ideas, ElementsOfSecondOrder) {
