@@ -202,11 +202,7 @@ class Comparison:
             vertices = ["%.17g %.17g %.17g" % tuple(p + d for p, d in zip(place, move))
                         for place, move in zip(self.rest, each)]
             paths[-1].write_text("\n".join([*self.before, *vertices, *self.after]) + "\n")
-            (self.case / str(number + 1) / "polyMesh").mkdir(parents=True, exist_ok=True)
-            (self.case / str(number + 1) / "polyMesh/points").write_bytes(
-                (self.case / "constant/polyMesh/points").read_bytes())
-        # The times are numbered from 0 on by %d; OpenFOAM's first time is then 0.
-        (self.case / "0/polyMesh").mkdir(parents=True, exist_ok=True)
+            (self.case / str(number) / "polyMesh").mkdir(parents=True, exist_ok=True)
         text = self.run("deform", self.case, "--rest", self.lattice, "--to", *paths, "-n", 3, "-o",
                         self.case / "%d/polyMesh/points", "--report", "json", *options)
         return list(zip(json.loads(text)["meshes"], self.checked(len(paths))))
