@@ -48,9 +48,16 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     if (isAnimation(options)) return {options.output};
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
-    for (int i = 0; i < count; ++i)
-        paths.push_back(io::modelTarget(io::numberedPath(options.output, i, count)));
+    for (int i = 0; i < count; ++i) paths.push_back(io::numberedPath(options.output, i, count));
     return paths;
+}
+
+/// Tells the job which files will be written.
+void addOutputs(Job& job, const DeformOptions& options,
+                const std::vector<std::filesystem::path>& paths) {
+    for (const auto& path : paths)
+        for (const auto& file : isAnimation(options) ? std::vector{path} : io::modelTargets(path))
+            job.writes(file);
 }
 
 /// Throws if the model cannot be written to the output. Names the data that an output in another
@@ -120,7 +127,7 @@ struct Deformation {
                 model.write(path, points, posed.gradients(pose));
             else
                 model.write(path, points);
-            stages.addFile(path);
+            for (const auto& file : io::modelTargets(path)) stages.addFile(file);
         });
     }
 };
@@ -305,7 +312,7 @@ void runDeform(const DeformOptions& options) {
     Job job(options.common,
             {{"MODEL", options.model}, {"--rest", options.rest}, {"--to", options.poses}});
     const auto paths = posePaths(options);
-    for (const auto& path : paths) job.writes(path);
+    addOutputs(job, options, paths);
     Stages& stages = job.stages();
     const auto model = readModel(options.model, options.common, stages);
     checkTarget(*model, options);
@@ -348,9 +355,9 @@ void runBind(const DeformOptions& options) {
     Stages& stages = job.stages();
     io::BoundModel file;
     const std::filesystem::path modelPath = io::modelFile(options.model);
-    file.modelName = modelPath.filename().string();
+    file.modelName = io::modelName(modelPath);
     const auto model = stages.run("reading", [&] {
-        file.modelBytes = io::readFile(modelPath);
+        file.modelBytes = io::readModelBytes(modelPath);
         stages.addBytes(file.modelBytes.size());
         return io::readModel(modelPath, file.modelBytes);
     });
@@ -378,7 +385,7 @@ void runBind(const DeformOptions& options) {
 void runApply(const DeformOptions& options) {
     Job job(options.common, {{"BINDING", options.model}, {"--to", options.poses}});
     const auto paths = posePaths(options);
-    for (const auto& path : paths) job.writes(path);
+    addOutputs(job, options, paths);
     Stages& stages = job.stages();
     io::BoundModel bound;
     const auto model = stages.read(options.model, [&] {

@@ -426,7 +426,7 @@ DescribedFile readDescribed(const InfoOptions& options) {
                                       filesToRead(io::FileContent::Model) +
                                       "; or a lattice: " + filesToRead(io::FileContent::Lattice));
     const bool isMesh = io::isMeshFile(path) && !options.asLattice();
-    std::string bytes = io::readFile(path);
+    std::string bytes = io::readModelBytes(path);
     if (!isModel || (isLattice && !options.asModel && !isMesh)) {
         try {
             result.lattice = io::readLattice(path, bytes, &result.notes);

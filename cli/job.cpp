@@ -118,10 +118,11 @@ void Job::refuseInput(const std::filesystem::path& output) const {
     if (!status || S_ISCHR(status->st_mode)) return;
     for (const Argument& input : inputs_)
         for (const std::string& path : input.paths)
-            if (const auto other = statusOf(io::modelFile(path));
-                other && isSameFile(*status, *other))
-                throw io::FileError(output, "is also an input (" + input.name +
-                                                "), and would be overwritten; choose another name");
+            for (const auto& file : io::modelFiles(path))
+                if (const auto other = statusOf(file); other && isSameFile(*status, *other))
+                    throw io::FileError(output,
+                                        "is also an input (" + input.name +
+                                            "), and would be overwritten; choose another name");
 }
 
 void Job::refuseEarlier(const std::filesystem::path& output) {

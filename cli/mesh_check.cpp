@@ -147,6 +147,10 @@ std::string MeshCheck::cellName() const {
     return check_->mesh().isSurface() ? "face" : "cell";
 }
 
+std::string MeshCheck::cellText(Index cell) const {
+    return check_->mesh().cellText(cell);
+}
+
 std::string MeshCheck::solverName() const {
     return isOpenFoam_ ? "checkMesh" : "a solver";
 }
@@ -185,7 +189,7 @@ void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::strin
             "{5}; nothing was "
             "written. --largest-step goes {6} of the way",
             io::shownPath(pose), inverted.size(), check_->mesh().cellCount(), cellName(),
-            io::shownPath(path_), inverted.front(), shareText(verdict.step.length, 6)));
+            io::shownPath(path_), cellText(inverted.front()), shareText(verdict.step.length, 6)));
     const auto& before = check_->qualityAtRest().nonPositiveVolumes;
     const Index first = *std::ranges::find_if_not(
         verdict.whole.nonPositiveVolumes,
@@ -194,7 +198,7 @@ void MeshCheck::requireValid(const solve::MeshVerdict& verdict, const std::strin
         fmt::format("{}: in this pose, cell {} of {} has no positive volume by OpenFOAM's "
                     "formula; nothing was "
                     "written",
-                    io::shownPath(pose), first, io::shownPath(path_)));
+                    io::shownPath(pose), cellText(first), io::shownPath(path_)));
 }
 
 void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose) const {
@@ -214,7 +218,7 @@ void MeshCheck::warn(const solve::MeshVerdict& verdict, const std::string& pose)
                     "{4}. --largest-step goes as far as no {3} is inverted, {5} of the way ({6}); "
                     "--no-inverted writes nothing",
                     io::shownPath(pose), inverted.size(), check_->mesh().cellCount(), cellName(),
-                    inverted.front(), shareText(verdict.step.length, 6), ofSolver)
+                    cellText(inverted.front()), shareText(verdict.step.length, 6), ofSolver)
             .c_str());
 }
 
@@ -235,12 +239,12 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     const std::string cell = cellName();
     if (const auto& bad = check_->badAtRest(); !bad.empty())
         line("  folded at rest    {}, the first {} {}; they do not count below\n", bad.size(), cell,
-             bad.front());
+             cellText(bad.front()));
     if (validity.inverted.empty())
         line("  inverted          0\n");
     else
         line("  inverted          {}, the first {} {}\n", validity.inverted.size(), cell,
-             validity.inverted.front());
+             cellText(validity.inverted.front()));
     Index kept = 0;
     for (const solve::PatchDeviation& deviation : verdict.patches) {
         kept += deviation.isBroken ? 0 : 1;
@@ -255,7 +259,7 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     const char* measure = check_->mesh().isSurface() ? "area" : "volume";
     if (validity.smallest)
         line("  worst ratio       {:.3g} ({} in the pose : at rest), {} {}\n",
-             validity.smallest->value, measure, cell, validity.smallest->cell);
+             validity.smallest->value, measure, cell, cellText(validity.smallest->cell));
     if (validity.comparesNeighbours) {
         line(
             "  compared          with neighbouring faces, since the mesh is no plane that stays "
@@ -267,7 +271,7 @@ std::string MeshCheck::text(const solve::MeshVerdict& verdict, const std::string
     if (step.limitingCell)
         line("  largest step      {}{} of the pose inverts no {}; then {} {} {}\n",
              step.isTight || validity.comparesNeighbours ? "" : "at least ", shareText(step.length),
-             cell, cell, *step.limitingCell,
+             cell, cell, cellText(*step.limitingCell),
              step.isTight || validity.comparesNeighbours ? "folds" : "may fold");
     else if (validity.comparesNeighbours)
         line("  largest step      1: the whole pose inverts no {}\n", cell);
@@ -312,6 +316,8 @@ OrderedJson MeshCheck::toJson(const solve::MeshVerdict& verdict, const std::stri
                         {"second_order", io::secondOrderCount(mesh)},
                         {"not_checked", cli::toJson(unchecked_)}};
     if (!hasCells()) return json;
+    for (const far::MeshPart& part : mesh.parts)
+        json["parts"].push_back({{"name", part.name}, {"first_cell", part.firstCell}});
     OrderedJson patches = OrderedJson::array(), broken = OrderedJson::array();
     for (const solve::PatchDeviation& deviation : verdict.patches)
         patches.push_back({{"name", mesh.patches[deviation.patch].name},

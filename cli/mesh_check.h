@@ -89,6 +89,7 @@ public:
     ///
     /// and if there are cells to check:
     ///
+    ///     parts               [{name, first_cell}] of a decomposed mesh; left out for any other
     ///     bad_at_rest         {count, first}: cells that are flat or folded at rest; first is null
     ///                         if there are none
     ///     inverted            {count, first}: cells that the whole pose inverts
@@ -107,6 +108,10 @@ public:
 
 private:
     std::string cellName() const;
+
+    /// Returns the number of a cell, with its place in the part that has it.
+    std::string cellText(Index cell) const;
+
     std::string solverName() const;
     std::string patchText(const solve::PatchDeviation& deviation) const;
 

@@ -109,6 +109,7 @@ std::string namesText(const char* label, const std::vector<std::string>& names) 
 ///                    quadrilaterals}: their numbers
 ///     second_order   how many of these are of second order
 ///     not_checked    {name: number} of the elements that are none of these
+///     parts          [{name, first_cell}] of a decomposed mesh; left out for any other
 ///     patches        [{name, type, faces, points}]; their names are the groups of the model
 ///     quality        {scaled_jacobian, non_orthogonality, skewness, smallest_volume,
 ///                    non_positive_volumes}: null where nothing has the measure
@@ -127,6 +128,8 @@ void addMesh(nlohmann::json& report, const io::Model& model, const io::ModelCell
     report["cells"] = cli::toJson(io::cellCounts(cells));
     report["second_order"] = io::secondOrderCount(cells);
     report["not_checked"] = cli::toJson(io::uncheckedElements(cells));
+    for (const far::MeshPart& part : cells.parts)
+        report["parts"].push_back({{"name", part.name}, {"first_cell", part.firstCell}});
     report["patches"] = std::move(patches);
     report["quality"] = {{"scaled_jacobian", valueOf(quality.smallestScaledJacobian)},
                          {"non_orthogonality", valueOf(quality.largestNonOrthogonality)},
@@ -143,6 +146,9 @@ std::string meshText(const nlohmann::json& report) {
         fmt::format("cells       {}\n", countsText(counts, report["second_order"].get<Index>()));
     for (const auto& [name, count] : report["not_checked"].items())
         text += fmt::format("not checked {} {}\n", count.get<Index>(), name);
+    if (report.contains("parts"))
+        text += fmt::format("parts       {} ({} …)\n", report["parts"].size(),
+                            printable(report["parts"][0]["name"].get<std::string>()));
     for (const auto& patch : report["patches"]) {
         const auto type = patch["type"].get<std::string>();
         text += fmt::format("patch       {}{}: {} faces, {} points\n",

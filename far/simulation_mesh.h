@@ -6,6 +6,7 @@
 #include <espalier/far/surface_mesh.h>
 #include <espalier/far/volume_mesh.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,12 @@ struct MeshPatch {
     Index faceCount() const { return static_cast<Index>(faces.count()); }
 };
 
+/// A part of a mesh that a program keeps in files of its own, such as the cells of one process.
+struct MeshPart {
+    std::string name;  ///< "processor0"
+    Index firstCell = 0;
+};
+
 /// The mesh of a simulation. It has no positions.
 struct SimulationMesh {
     VolumeMesh volume = {};
@@ -51,10 +58,26 @@ struct SimulationMesh {
 
     std::vector<MeshPatch> patches = {};
 
+    /// The parts from which the mesh was put together, in the order of their cells. Empty if it was
+    /// in one.
+    std::vector<MeshPart> parts = {};
+
     /// True if the cells are the faces of `surface`.
     bool isSurface() const { return volume.cellCount() == 0; }
 
     Index cellCount() const { return isSurface() ? surface.faceCount() : volume.cellCount(); }
+
+    /// Returns the number of a cell as text, with its place in the files of a mesh in parts: "153",
+    /// or "153 (28 of processor1)".
+    std::string cellText(Index cell) const {
+        const auto next = std::upper_bound(
+            parts.begin(), parts.end(), cell,
+            [](Index number, const MeshPart& part) { return number < part.firstCell; });
+        if (next == parts.begin()) return std::to_string(cell);
+        const MeshPart& part = *(next - 1);
+        return std::to_string(cell) + " (" + std::to_string(cell - part.firstCell) + " of " +
+               part.name + ")";
+    }
 };
 
 }  // namespace espalier::far

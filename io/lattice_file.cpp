@@ -128,7 +128,7 @@ Lattice readBytes(const Format& found, const Path& path, std::string_view bytes,
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const Path file = modelFile(path);
     const Format& format = formatOf(path, FileUse::Read);
-    return readBytes(format, file, readFile(file), notes);
+    return readBytes(format, file, readModelBytes(file), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
@@ -146,7 +146,7 @@ void checkLatticeTarget(const Path& path) {
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
     const Path file = modelFile(path);
     const Format& format = refinableFormatOf(path);
-    return readBytes(format, file, readFile(file), notes);
+    return readBytes(format, file, readModelBytes(file), notes);
 }
 
 Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {

@@ -81,17 +81,45 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
     }
 }
 
+std::vector<std::filesystem::path> pathsOf(const FoamCase& files) {
+    std::vector<std::filesystem::path> paths;
+    for (const auto& file : files.files) paths.push_back(files.root / file);
+    return paths;
+}
+
+/// Returns the path that the format of a model writes: the file of points for a folder, but the
+/// folder of a decomposed case itself.
+std::filesystem::path modelTarget(const std::filesystem::path& path) {
+    const FoamCase files = foamTargetOf(path);
+    return files.isDecomposed ? path : files.root / files.files.front();
+}
+
 }  // namespace
 
 std::filesystem::path modelFile(const std::filesystem::path& path) {
     std::error_code ignored;
     if (!namesFormat(path) && !std::filesystem::exists(path, ignored))
         throw FileError(path, "no such file or folder");
-    return foamPointsOf(path);
+    const FoamCase files = foamCaseOf(path);
+    return files.isDecomposed ? path : files.root / files.files.front();
 }
 
-std::filesystem::path modelTarget(const std::filesystem::path& path) {
-    return foamTargetOf(path);
+std::vector<std::filesystem::path> modelFiles(const std::filesystem::path& path) {
+    return pathsOf(foamCaseOf(path));
+}
+
+std::vector<std::filesystem::path> modelTargets(const std::filesystem::path& path) {
+    return pathsOf(foamTargetOf(path));
+}
+
+std::string readModelBytes(const std::filesystem::path& path) {
+    const FoamCase files = foamCaseOf(path);
+    return files.isDecomposed ? archiveOf(files) : readFile(files.root / files.files.front());
+}
+
+std::string modelName(const std::filesystem::path& path) {
+    const FoamCase files = foamCaseOf(path);
+    return files.isDecomposed ? std::string(kFoamPoints) : files.files.front().string();
 }
 
 void ModelSurface::addOther(const std::string& kind, const std::string& name) {
@@ -159,7 +187,8 @@ std::vector<ElementCount> uncheckedElements(const ModelCells& cells) {
         {cells.curvedFaces, "faces of third order and above or of an unknown order of points"},
         {cells.polygons, "faces with more than 4 corners"},
         {cells.facesBeside, "faces of surfaces that are no faces of cells"},
-        {cells.unknownElements, "elements of unknown types"}};
+        {cells.unknownElements, "elements of unknown types"},
+        {cells.facesApart, "faces between processes, which have other points in each of the two"}};
     std::erase_if(all, [](const ElementCount& elements) { return elements.count == 0; });
     return all;
 }
@@ -258,7 +287,7 @@ void refuseHeldPoints(const std::filesystem::path& path, const Model& model) {
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
     const std::filesystem::path file = modelFile(path);
     requireFormat(file);
-    return readModel(file, readFile(file));
+    return readModel(file, readModelBytes(file));
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {

@@ -88,6 +88,10 @@ struct ModelCells : far::SimulationMesh {
     /// Number of elements of types that the reader does not know. They may be cells or not.
     Index unknownElements = 0;
 
+    /// Of a decomposed mesh: number of faces between two parts whose points are at different places
+    /// in the files of both. They count as faces of the boundary.
+    Index facesApart = 0;
+
     bool isOpenFoam = false;  ///< the format of the file
 };
 
@@ -415,15 +419,30 @@ private:
 ESPALIER_API void readAppearance(const Model& model, ModelSurface& surface);
 
 /// Returns the file that a path of a model means: the points of OpenFOAM for a folder
-/// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.
+/// (meshes/openfoam.h), and the path itself otherwise, also for the folder of a decomposed case.
+/// readModel() does this, too.
 /// \throws FileError if a folder has no mesh of OpenFOAM, or if there is no file or folder of a
-/// name
-///         that is of no known format, and so may have been meant as a folder
+///         name that is of no known format, and so may have been meant as a folder
 ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
 
-/// Returns the file that Model::write() writes for a path: likewise the points for a folder.
+/// Returns the files that hold a model: one; of a decomposed case of OpenFOAM the points of all its
+/// parts.
+/// \throws FileError as modelFile()
+ESPALIER_API std::vector<std::filesystem::path> modelFiles(const std::filesystem::path& path);
+
+/// Returns the files that Model::write() writes for a path: likewise the points for a folder.
 /// \throws FileError if a folder has no mesh of OpenFOAM
-ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
+ESPALIER_API std::vector<std::filesystem::path> modelTargets(const std::filesystem::path& path);
+
+/// Reads the bytes of a model: of its file; of a decomposed case one archive of its files.
+/// \param path a result of modelFile()
+/// \throws FileError if a file cannot be read
+ESPALIER_API std::string readModelBytes(const std::filesystem::path& path);
+
+/// Returns a name by which readModel() knows the format of these bytes without their folders: the
+/// name of the file.
+/// \param path a result of modelFile()
+ESPALIER_API std::string modelName(const std::filesystem::path& path);
 
 /// Checks a model whose points are wanted themselves, as the vertices of a pose or as targets: no
 /// other point can stand in for them.
@@ -439,7 +458,7 @@ ESPALIER_API std::unique_ptr<Model> readModel(const std::filesystem::path& path)
 
 /// The same for a file that is in memory already.
 /// \param path names the format, and the file in messages
-/// \param bytes the whole file
+/// \param bytes the whole file; or the archive that readModelBytes() returns
 ESPALIER_API std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

@@ -170,10 +170,10 @@ normals   : array (N, 3), the normals at rest
         [](const std::filesystem::path& path) {
             auto file = withoutGil([&] {
                 const std::filesystem::path name = io::modelFile(path);
-                auto bytes = io::readFile(name);
+                auto bytes = io::readModelBytes(name);
                 auto model = io::readModel(name, bytes);
                 return std::make_shared<ModelFile>(
-                    ModelFile{name.filename().string(), std::move(bytes), std::move(model)});
+                    ModelFile{io::modelName(name), std::move(bytes), std::move(model)});
             });
             warn(io::describe(path, *file->model));
             return file;

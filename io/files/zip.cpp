@@ -114,6 +114,12 @@ ZipReader::ZipReader(std::string_view archive) : archive_(archive) {
     }
 }
 
+std::vector<std::string> ZipReader::names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, member] : members_) names.push_back(name);
+    return names;
+}
+
 ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
     if (in.number<std::uint32_t>() != kZipDirectoryEntry)
         throw CodingError("is damaged: its directory cannot be read");

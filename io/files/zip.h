@@ -43,6 +43,9 @@ public:
     ///         or claims more compressed bytes than the archive has
     explicit ZipReader(std::string_view archive);
 
+    /// Returns the names of all members, in ascending order.
+    std::vector<std::string> names() const;
+
     /// Returns the size that the directory claims for a member; nothing is inflated.
     /// \throws CodingError if there is no such member
     std::uint64_t size(std::string_view name) const;

@@ -24,8 +24,21 @@ bool isMark(char c) {
 }  // namespace
 
 FoamFile::FoamFile(const std::filesystem::path& path, std::string_view bytes)
-    : path_(path), bytes_(bytes) {
+    : path_(&path), bytes_(bytes) {
     readHeader();
+}
+
+FoamFile::FoamFile(std::string_view block, std::size_t line, const FoamFile& before)
+    : path_(before.path_),
+      bytes_(block),
+      line_(line),
+      className_(before.isCollated() ? before.blockClass_ : before.className_),
+      isBinary_(before.isCollated() ? before.hasBinaryBlocks_ : before.isBinary_),
+      order_(before.order_),
+      labelBytes_(before.labelBytes_),
+      scalarBytes_(before.scalarBytes_) {
+    skipSpace();
+    if (bytes_.substr(position_).starts_with("FoamFile")) readHeader();
 }
 
 void FoamFile::readHeader() {
@@ -38,12 +51,14 @@ void FoamFile::readHeader() {
         std::string value;
         for (std::string_view part = word("a value"); part != ";"; part = word("; after a value"))
             value += (value.empty() ? "" : " ") + std::string(part);
-        if (key == "format") {
+        if (key == "format" || key == "data.format") {
             if (value != "ascii" && value != "binary")
                 fail("the format is " + inQuotes(value) + "; expected ascii or binary");
-            isBinary_ = value == "binary";
+            (key == "format" ? isBinary_ : hasBinaryBlocks_) = value == "binary";
         } else if (key == "class") {
             className_ = value;
+        } else if (key == "data.class") {
+            blockClass_ = value;
         } else if (key == "arch") {
             const auto has = [&](const char* text) {
                 return value.find(text) != std::string::npos;
@@ -136,7 +151,7 @@ double FoamFile::scalar(std::size_t axis, std::size_t& offset) {
     if (!isBinary_) {
         const std::string_view text = word("a coordinate");
         offset = text.data() - bytes_.data();
-        return parseCoordinate(text, axis, Precision::Double, path_, line_);
+        return parseCoordinate(text, axis, Precision::Double, *path_, line_);
     }
     checkCancelledEvery(items_++, 12);
     if (bytes_.size() - position_ < scalarBytes_) fail("the file ends; expected a coordinate");
@@ -144,6 +159,32 @@ double FoamFile::scalar(std::size_t axis, std::size_t& offset) {
     position_ += scalarBytes_;
     return loadReal(bytes_, offset, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
                     order_);
+}
+
+std::vector<FoamBlock> FoamFile::blocks() {
+    std::vector<FoamBlock> blocks;
+    while (true) {
+        skipSpace();
+        if (position_ == bytes_.size()) break;
+        FoamBlock block{};
+        block.sizeBegin = position_;
+        const std::size_t size = count("the number of bytes of a process", 1);
+        block.sizeEnd = position_;
+        expect("(");
+        block.begin = position_;
+        block.line = line_;
+        const std::size_t left = bytes_.size() - position_;
+        if (size >= left)
+            fail(concat("the number of bytes of a process is ", size, ", but only ", left,
+                        " are left"));
+        block.end = position_ += size;
+        line_ += std::count(bytes_.begin() + static_cast<std::ptrdiff_t>(block.begin),
+                            bytes_.begin() + static_cast<std::ptrdiff_t>(block.end), '\n');
+        expect(")");
+        blocks.push_back(block);
+    }
+    if (blocks.empty()) fail("has no blocks of processes");
+    return blocks;
 }
 
 FileNumbers FoamFile::points() {
@@ -263,8 +304,13 @@ std::vector<FoamPatch> FoamFile::patches() {
             } else if (key == "startFace") {
                 startFace = textLabel("the first face of a patch");
                 expect(";");
-            } else if (key == "type" || key == "neighbourPatch") {
-                (key == "type" ? patch.type : patch.neighbourPatch) = text(key.c_str());
+            } else if (key == "neighbProcNo") {
+                patch.neighbour = textLabel("the number of a process");
+                expect(";");
+            } else if (key == "type" || key == "neighbourPatch" || key == "referPatch") {
+                (key == "type"             ? patch.type
+                 : key == "neighbourPatch" ? patch.neighbourPatch
+                                           : patch.referPatch) = text(key.c_str());
                 expect(";");
             } else {
                 skipValue();
@@ -306,7 +352,7 @@ void FoamFile::expectEnd() {
 }
 
 void FoamFile::fail(const std::string& cause) const {
-    throw FileError(path_, line_, cause);
+    throw FileError(*path_, line_, cause);
 }
 
 }  // namespace espalier::io

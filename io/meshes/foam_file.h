@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,9 +20,19 @@ namespace espalier::io {
 
 /// A patch of the boundary: the faces from `startFace` on.
 struct FoamPatch {
-    std::string name, type, neighbourPatch;
+    std::string name, type;
+    std::string neighbourPatch;  ///< of a cyclic patch: its partner
+    std::string referPatch;      ///< of a processorCyclic patch: the cyclic patch of its faces
     Index faceCount = 0;
     Index startFace = 0;
+    std::optional<Index> neighbour = {};  ///< of a processor patch: the other process
+};
+
+/// The file of one process in a collated file, and the text of its size before it.
+struct FoamBlock {
+    std::size_t sizeBegin, sizeEnd;
+    std::size_t begin, end;
+    std::size_t line;  ///< of its begin
 };
 
 /// Reads a file of OpenFOAM in the order of its text. All functions throw FileError with the line.
@@ -31,8 +42,19 @@ public:
     /// \param path, bytes must outlive this
     FoamFile(const std::filesystem::path& path, std::string_view bytes);
 
+    /// The same for a block of a collated file. Only the first block has a header.
+    /// \param line of its first byte
+    /// \param before the first block, or for this the collated file
+    FoamFile(std::string_view block, std::size_t line, const FoamFile& before);
+
     /// The class that the header names: "vectorField".
     const std::string& className() const { return className_; }
+
+    /// Returns true for a file with the files of several processes.
+    bool isCollated() const { return className_ == "decomposedBlockData"; }
+
+    /// Reads the blocks of a collated file.
+    std::vector<FoamBlock> blocks();
 
     /// Reads a list of points.
     FileNumbers points();
@@ -72,16 +94,37 @@ private:
     double scalar(std::size_t axis, std::size_t& offset);
     [[noreturn]] void fail(const std::string& cause) const;
 
-    const std::filesystem::path& path_;
+    const std::filesystem::path* path_;
     std::string_view bytes_;
     std::size_t position_ = 0;
     std::size_t line_ = 1;
     std::size_t items_ = 0;  ///< number of words and numbers read, for checkCancelledEvery()
     std::string className_;
+    std::string blockClass_;  ///< of the blocks of a collated file; empty if their header has it
     bool isBinary_ = false;
+    bool hasBinaryBlocks_ = false;
     std::endian order_ = std::endian::little;
     std::size_t labelBytes_ = 4;
     std::size_t scalarBytes_ = 8;
 };
+
+/// Calls f with a file: with the file itself, or with each block of a collated one.
+template <class F>
+void forEachFoamPart(const std::filesystem::path& path, std::string_view bytes, F f) {
+    FoamFile file(path, bytes);
+    if (!file.isCollated()) {
+        f(file);
+        file.expectEnd();
+        return;
+    }
+    std::optional<FoamFile> first;
+    for (const FoamBlock& block : file.blocks()) {
+        FoamFile part(bytes.substr(block.begin, block.end - block.begin), block.line,
+                      first ? *first : file);
+        if (!first) first = part;
+        f(part);
+        part.expectEnd();
+    }
+}
 
 }  // namespace espalier::io

@@ -13,7 +13,7 @@
 #include "../models/file_model.h"
 #include "cell_visitor.h"
 
-// The meshes of simulations: OpenFOAM, Gmsh, Medit, SU2, PLOT3D, Nastran, Abaqus, I-deas and
+// The meshes of simulations in one file: Gmsh, Medit, SU2, PLOT3D, Nastran, Abaqus, I-deas and
 // Fluent. Each format has two functions: one finds the points, the other reads the cells. The rest
 // of models and lattices is the same code for all formats.
 
@@ -35,9 +35,6 @@ struct MeshFormat {
     /// Reads the cells for Model::readCells(), for formats that list the faces of their cells; null
     /// if readCells() does it.
     ModelCells (*readModelCells)(const FileView& file) = nullptr;
-
-    /// FileModelFormat::checkTarget.
-    void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
 
     /// FileModelFormat::write, stored and losses.
     void (*write)(std::ostream& out, const FileView& file, std::span<const Point3> moved,
@@ -69,7 +66,6 @@ inline constexpr FileModelFormat kMeshModel = {
     .readNumbers = format.readPoints,
     .readSurface = [](const FileView& file) { return readMeshSurface(format, file); },
     .readCells = [](const FileView& file) { return readMeshCells(format, file); },
-    .checkTarget = format.checkTarget,
     .write = format.write,
     .stored = format.stored,
     .losses = format.losses};

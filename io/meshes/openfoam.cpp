@@ -1,295 +1,447 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "openfoam.h"
+
 #include <espalier/base/error.h>
-#include <espalier/base/sort_unique.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
+#include <deque>
+#include <numeric>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
+#include "../files/bytes.h"
+#include "../files/gzip.h"
+#include "../files/zip.h"
+#include "../format.h"
 #include "../lattices/lattice_parts.h"
+#include "../models/file_model.h"
+#include "../models/held_points.h"
 #include "foam_file.h"
-#include "mesh_format.h"
-#include "openfoam.h"
+#include "foam_mesh.h"
+#include "lattice_cells.h"
+#include "shared_points.h"
 
 namespace espalier::io {
 namespace {
 
 using Path = std::filesystem::path;
 
-const Path kPolyMesh = "polyMesh", kConstant = "constant";
+constexpr std::string_view kArchive = "PK\x03\x04";
 
-/// Returns whether a file of a mesh exists.
-/// \throws FileError if only its compressed form exists, "NAME.gz", or if it is no regular file:
-///         the user has named the case and not this file, and a pipe would block for ever
-bool existsUncompressed(const Path& path) {
-    std::error_code ignored;
-    const auto status = std::filesystem::status(path, ignored);
-    if (std::filesystem::exists(status)) {
-        if (std::filesystem::is_regular_file(status)) return true;
-        throw FileError(path, "is not a regular file; copy it to a file first");
-    }
-    const Path compressed = Path(path) += ".gz";
-    if (std::filesystem::exists(compressed, ignored))
-        throw FileError(compressed, "is compressed; run gunzip on the files of the mesh first");
-    return false;
-}
+/// A file of points: of one mesh, or a collated one with the points of several processes.
+struct PointsFile {
+    Path path;                           ///< where it was read
+    Path name;                           ///< relative to the folder of the case
+    std::string_view stored;             ///< the bytes of the file
+    std::string text;                    ///< inflated; empty if the file is not compressed
+    std::vector<FoamBlock> blocks = {};  ///< of a collated file
 
-/// Reads one of the files of a mesh.
-template <class Read>
-auto readFoamFile(const Path& path, Read read) {
-    existsUncompressed(path);
-    const std::string bytes = readFile(path);
-    FoamFile file(path, bytes);
-    auto result = read(file);
-    file.expectEnd();
-    return result;
-}
-
-/// Returns the folder of the faces that belong to a file of points; nothing if there is none.
-std::optional<Path> facesFolder(const Path& points) {
-    const Path own = points.parent_path();
-    const Path ofCase = own / ".." / ".." / kConstant / kPolyMesh;
-    if (existsUncompressed(own / "faces")) return own;
-    if (own.filename() == kPolyMesh && existsUncompressed(ofCase / "faces")) return ofCase;
-    return std::nullopt;
-}
-
-/// The faces and cells of a mesh.
-struct FoamCells {
-    far::Rows<Index> faces;
-    std::vector<Index> owners, neighbours;
-    Index cellCount = 0;
+    bool isCompressed() const { return isGzip(stored); }
+    std::string_view content() const { return isCompressed() ? text : stored; }
 };
 
-constexpr const char* kCellFiles[] = {"faces", "owner", "neighbour"};
+/// The points of a mesh, or of one part of a decomposed mesh.
+struct PartOfPoints {
+    std::size_t file;
+    std::string name;  ///< "processor0"; empty for a whole mesh
+    std::string_view text;
+    FileNumbers numbers;
+    std::vector<Index> inModel = {};  ///< the number of each point in the model
+};
 
-/// Reads the cells; none if there is no file of faces.
-/// \throws FileError if a file is malformed, or the lists do not have the same length
-FoamCells readFoamCells(const Path& points) {
-    const auto folder = facesFolder(points);
-    FoamCells cells;
-    if (!folder) return cells;
-    cells.faces = readFoamFile(*folder / "faces", [](FoamFile& file) { return file.faces(); });
-    const std::size_t faceCount = cells.faces.offsets.size() - 1;
-    const auto read = [&](const char* name, Index least) {
-        return readFoamFile(*folder / name, [&](FoamFile& file) {
-            return file.labels("the number of a cell", faceCount, "faces", least);
-        });
-    };
-    cells.owners = read("owner", 0);
-    // Old versions write a neighbour for each face: −1 on the boundary, which comes last.
-    cells.neighbours = read("neighbour", -1);
-    while (!cells.neighbours.empty() && cells.neighbours.back() == -1) cells.neighbours.pop_back();
-    if (const auto none = std::ranges::find(cells.neighbours, -1); none != cells.neighbours.end())
-        throw FileError(*folder / "neighbour",
-                        concat("face ", none - cells.neighbours.begin(),
-                               " has no neighbour (-1), but a face after it has one"));
-    if (cells.owners.size() != faceCount)
-        throw FileError(*folder / "owner", concat("has ", cells.owners.size(),
-                                                  " labels, but there "
-                                                  "are ",
-                                                  faceCount, " faces"));
-    for (std::size_t face = 0; face < cells.neighbours.size(); ++face)
-        if (cells.neighbours[face] == cells.owners[face])
-            throw FileError(*folder / "neighbour",
-                            concat("face ", face, " has cell ", cells.owners[face],
-                                   " as its owner and as its neighbour"));
-    for (const auto* list : {&cells.owners, &cells.neighbours})
-        for (const Index cell : *list) cells.cellCount = std::max(cells.cellCount, cell);
-    if (faceCount > 0) cells.cellCount += cells.cellCount < kMaxIndex ? 1 : 0;
-    // Each cell has a face.
-    if (std::cmp_greater(cells.cellCount, 2 * faceCount))
-        throw FileError(*folder / "owner", concat("names cell ", cells.cellCount - 1,
-                                                  ", but there are ", faceCount, " faces"));
-    return cells;
-}
+/// The model of a mesh in one file, or of a decomposed case.
+class FoamModel final : public Model {
+public:
+    FoamModel(const Format& format, const Path& path, std::string bytes)
+        : Model(format, path), path_(path), bytes_(std::move(bytes)) {
+        isArchive_ = bytes_.starts_with(kArchive);
+        if (isArchive_)
+            openArchive();
+        else
+            files_.push_back({path, path.filename(), bytes_, {}});
+        for (std::size_t file = 0; file < files_.size(); ++file) readFileOfPoints(file);
+        if (!isArchive_)
+            if (auto note = noteOnDecomposed(path)) notes_.push_back(*note);
+        joinParts();
+        held_.emplace(isJoined() ? std::span(positions_)
+                                 : std::span(parts_[0].numbers.points.values));
+        if (const auto used = held_->findUsed(*this)) refuse(*used);
+        if (!held_->empty()) notes_.push_back(held_->note());
+        // Points that are not finite have their stand-ins in the parts, too.
+        for (std::size_t i = 0; i < parts_.size() && isJoined() && !held_->empty(); ++i)
+            for (std::size_t point = 0; point < parts_[i].inModel.size(); ++point)
+                if (Point3& own = parts_[i].numbers.points.values[point]; !isFinite(own))
+                    own = positions_[parts_[i].inModel[point]];
+    }
 
-bool haveSameBytes(const Path& a, const Path& b) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(a, b, ignored)) return true;
-    return std::filesystem::file_size(a, ignored) == std::filesystem::file_size(b, ignored) &&
-           readFile(a) == readFile(b);
-}
+    std::span<const Point3> positions() const override {
+        return isJoined() ? std::span<const Point3>(positions_)
+                          : std::span<const Point3>(parts_[0].numbers.points.values);
+    }
+    std::vector<Index> heldPoints() const override { return held_->numbers(); }
+    std::vector<std::string> notes() const override { return notes_; }
+    CoordinateStorage storage() const override {
+        const auto isFloat = [](const PartOfPoints& part) {
+            return part.numbers.storage == CoordinateStorage::Float;
+        };
+        return std::ranges::any_of(parts_, isFloat) ? CoordinateStorage::Float
+                                                    : parts_[0].numbers.storage;
+    }
+    DirectionCounts directions() const override { return {}; }
 
-/// Returns true if the faces and cells of two meshes are the same, in any form.
-/// \param a, b points of the meshes, both with files of faces
-bool haveSameCells(const Path& a, const Path& b) {
-    const Path folderA = *facesFolder(a), folderB = *facesFolder(b);
-    if (std::ranges::all_of(kCellFiles, [&](const char* name) {
-            return existsUncompressed(folderA / name) && existsUncompressed(folderB / name) &&
-                   haveSameBytes(folderA / name, folderB / name);
-        }))
-        return true;
-    const FoamCells cellsA = readFoamCells(a), cellsB = readFoamCells(b);
-    return std::ranges::equal(cellsA.faces.offsets, cellsB.faces.offsets) &&
-           std::ranges::equal(cellsA.faces.values, cellsB.faces.values) &&
-           cellsA.owners == cellsB.owners && cellsA.neighbours == cellsB.neighbours;
-}
+    ModelSurface readSurface() const override {
+        ModelSurface surface;
+        surface.faces = boundaryFaces(readCells().volume);
+        return surface;
+    }
 
-/// Makes a mesh, which checks all numbers. Errors name the file of faces.
-far::VolumeMesh meshOf(const Path& points, Index pointCount, FoamCells cells) {
-    return withPathInErrors(facesFolder(points).value_or(points.parent_path()) / "faces", [&] {
-        return far::VolumeMesh(pointCount, cells.cellCount, std::move(cells.faces),
-                               std::move(cells.owners), std::move(cells.neighbours));
-    });
-}
-
-FileNumbers readPoints(const Path& path, std::string_view bytes) {
-    FoamFile file(path, bytes);
-    FileNumbers numbers = file.points();
-    file.expectEnd();
-    return numbers;
-}
-
-/// Returns the patches of the file "boundary"; none if there is no such file.
-std::vector<far::MeshPatch> readPatches(const Path& points, const far::VolumeMesh& mesh) {
-    const auto folder = facesFolder(points);
-    if (!folder || !existsUncompressed(*folder / "boundary")) return {};
-    const auto ofFile =
-        readFoamFile(*folder / "boundary", [](FoamFile& file) { return file.patches(); });
-    std::vector<far::MeshPatch> patches;
-    Index end = mesh.internalFaceCount();
-    for (const FoamPatch& patch : ofFile) {
-        // As in OpenFOAM, patches follow the internal faces and each other.
-        if (patch.faceCount > 0 && (patch.startFace < end || patch.startFace > mesh.faceCount() ||
-                                    patch.faceCount > mesh.faceCount() - patch.startFace))
-            throw FileError(*folder / "boundary",
-                            concat("the patch ", inQuotes(patch.name), " has ", patch.faceCount,
-                                   " faces from face ", patch.startFace, " on; expected faces of ",
-                                   end, " to ", mesh.faceCount() - 1));
-        if (patch.faceCount > 0) end = patch.startFace + patch.faceCount;
-        far::MeshPatch& result = patches.emplace_back(far::MeshPatch{patch.name, patch.type});
-        result.partner = patch.neighbourPatch;
-        result.dimension = 2;
-        result.firstFace = patch.startFace;
-        for (Index face = patch.startFace; face < patch.startFace + patch.faceCount; ++face) {
-            const auto corners = mesh.face(face);
-            result.points.insert(result.points.end(), corners.begin(), corners.end());
-            result.faces.push(corners);
+    ModelCells readCells() const override {
+        const auto pointCount = static_cast<Index>(positions().size());
+        ModelCells cells;
+        cells.isOpenFoam = true;
+        if (!isJoined() || parts_[0].name.empty()) {
+            const auto folder = facesFolder(files_[parts_[0].file].path);
+            static_cast<far::SimulationMesh&>(cells) = readFoamMesh(folder, pointCount);
+            return cells;
         }
-        sortUnique(result.points);
+        std::vector<FoamParts> folders;
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            if (i == 0 || parts_[i].file != parts_[i - 1].file) {
+                const auto folder = facesFolder(files_[parts_[i].file].path);
+                if (!folder) return cells;  // of a binding
+                folders.push_back({*folder, {}, {}});
+            }
+            folders.back().names.push_back(parts_[i].name);
+            folders.back().pointNumbers.emplace_back(parts_[i].inModel);
+        }
+        static_cast<far::SimulationMesh&>(cells) =
+            readFoamParts(folders, pointCount, cells.facesApart);
+        return cells;
     }
-    return patches;
-}
 
-ModelCells readModelCells(const FileView& file) {
-    ModelCells cells;
-    cells.volume = meshOf(file.path, file.pointCount(), readFoamCells(file.path));
-    cells.patches = readPatches(file.path, cells.volume);
-    cells.isOpenFoam = true;
-    return cells;
-}
+    std::vector<PointGroup> groups() const override { return groupsOf(readCells().patches); }
 
-void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor& visitor) {
-    visitVolume(meshOf(path, pointCount, readFoamCells(path)), visitor);
-}
+private:
+    /// Returns true if the model has points of several parts.
+    bool isJoined() const { return parts_.size() > 1; }
 
-/// Throws unless the points of a mesh may be written to a path: to a device, or to a file "points"
-/// that belongs to the same mesh or to none.
-void checkTarget(const FileView& file, const Path& target) {
-    const Path& source = file.path;
-    std::error_code ignored;
-    const auto status = std::filesystem::status(target, ignored);
-    const bool isFile = std::filesystem::is_regular_file(status);
-    if (std::filesystem::exists(status) && !isFile && !std::filesystem::is_directory(status))
-        return;
-    // A new name without an extension may be meant as the folder of a case.
-    if (target.filename() != kFoamPoints)
-        throw FileError(
-            target,
-            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
-            "or into a folder with a copy of the case (cp -r CASE COPY)");
-    const auto refuse = [&](const std::string& cause) {
-        throw FileError(target, "belongs to another mesh, " + cause +
-                                    "; write into a copy of the case (cp -r CASE COPY)");
-    };
-    if (!facesFolder(target)) return;
-    if (facesFolder(source)) {
-        if (!haveSameCells(source, target))
-            refuse("whose faces, owner and neighbour are not those of " + shownPath(source));
-        return;
+    void openArchive() {
+        const FoamCase found = foamCaseOf(path_);
+        decodeFile(path_, [&] {
+            const ZipReader zip(bytes_);
+            std::vector<std::pair<std::uint64_t, Path>> names;
+            for (const std::string& name : zip.names()) {
+                const auto part = partOf(name);
+                names.emplace_back(part ? 1 + processesOf(*part)->first : 0, name);
+            }
+            std::ranges::sort(names);
+            for (const auto& [order, name] : names) {
+                std::string& room = rooms_.emplace_back();
+                files_.push_back({found.root / name, name, zip.read(name.string(), room), {}});
+            }
+        });
+        if (files_.empty()) throw FileError(path_, "is an archive without files");
     }
-    // The points of a binding come without their faces.
-    if (!isFile) return;
-    const std::size_t count =
-        readFoamFile(target, [](FoamFile& other) { return other.points(); }).points.values.size();
-    if (count != file.numbers.points.values.size())
-        refuse(concat("which has ", count, " points, and not ", file.pointCount()));
-}
 
-constexpr MeshFormat kFoamMesh = {readPoints, readCells, readModelCells, checkTarget};
-
-/// Returns the folder polyMesh that a folder means; nothing if there is none.
-std::optional<Path> polyMeshOf(const Path& folder) {
-    std::error_code ignored;
-    for (const Path& inner : {kConstant / kPolyMesh, kPolyMesh})
-        if (std::filesystem::is_directory(folder / inner, ignored)) return folder / inner;
-    const bool isOne =
-        folder.filename() == kPolyMesh || folder.parent_path().filename() == kPolyMesh;
-    return isOne ? std::optional(folder) : std::nullopt;
-}
-
-bool isFoamMarker(const Path& path) {
-    return lowerCase(path.extension().string()) == ".foam";
-}
-
-/// Returns the folder that a path means: the folder itself, or that of a file NAME.foam.
-std::optional<Path> caseFolderOf(const Path& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) return path;
-    if (isFoamMarker(path)) return path.has_parent_path() ? path.parent_path() : Path(".");
-    return std::nullopt;
-}
-
-}  // namespace
-
-bool isFoamPath(const Path& path) {
-    return path.filename() == kFoamPoints || caseFolderOf(path);
-}
-
-std::filesystem::path foamPointsOf(const Path& path) {
-    const auto folder = caseFolderOf(path);
-    if (!folder) return path;
-    const auto polyMesh = polyMeshOf(*folder);
-    const Path points = polyMesh.value_or(*folder) / kFoamPoints;
-    if (existsUncompressed(points)) return points;
-    throw FileError(path, polyMesh ? "has a folder polyMesh without a file of points"
-                                   : "is a folder without a mesh of OpenFOAM (constant/polyMesh)");
-}
-
-std::filesystem::path foamTargetOf(const Path& path) {
-    const auto folder = caseFolderOf(path);
-    if (!folder) return path;
-    if (const auto polyMesh = polyMeshOf(*folder)) {
-        if (facesFolder(*polyMesh / kFoamPoints)) return *polyMesh / kFoamPoints;
-        throw FileError(path,
-                        "has a folder polyMesh without a file of faces; copy the whole case first");
+    /// Reads the parts of a file.
+    void readFileOfPoints(std::size_t number) {
+        PointsFile& file = files_[number];
+        if (file.isCompressed()) file.text = inflatedFoam(file.path, std::string(file.stored));
+        const std::string_view content = file.content();
+        FoamFile whole(file.path, content);
+        if (whole.isCollated()) file.blocks = whole.blocks();
+        const auto folder = isArchive_ ? partOf(file.name) : std::nullopt;
+        const auto processes = folder ? processesOf(*folder) : std::nullopt;
+        std::size_t count = 0;
+        forEachFoamPart(file.path, content, [&](FoamFile& text) {
+            PartOfPoints part{number, {}, content, text.points()};
+            if (whole.isCollated()) {
+                const FoamBlock& block = file.blocks[count];
+                part.text = content.substr(block.begin, block.end - block.begin);
+            }
+            if (whole.isCollated() || folder)
+                part.name = concat("processor", (processes ? processes->first : 0) + count);
+            checkedIndex(file.path, part.numbers.points.values.size(), "points");
+            parts_.push_back(std::move(part));
+            ++count;
+        });
+        if (processes && count != processes->count)
+            throw FileError(file.path,
+                            concat("has the points of ", count, " processes; its folder ", "is of ",
+                                   processes->count));
     }
-    throw FileError(path,
-                    "is a folder without a mesh of OpenFOAM; copy the case first, for example: "
-                    "cp -r CASE " +
-                        shownPath(path));
+
+    /// Finds the points that parts share, and the positions of all.
+    void joinParts() {
+        if (!isJoined()) return;
+        const auto find = [&] {
+            std::vector<std::span<const Point3>> points;
+            for (const PartOfPoints& part : parts_) points.emplace_back(part.numbers.points.values);
+            return decodeFile(path_, [&] { return findSharedPoints(points); });
+        };
+        SharedPoints shared = find();
+        const auto wholeCount = static_cast<Index>(parts_[0].numbers.points.values.size());
+        if (parts_[0].name.empty() && shared.count != wholeCount) {
+            notes_.push_back(concat("has a whole mesh in ", files_[0].name.parent_path().string(),
+                                    ", which stays, because ", shared.count - wholeCount,
+                                    " points of the parts are not among its points; name this "
+                                    "folder to move it"));
+            parts_.erase(parts_.begin());
+            shared = find();
+        }
+        positions_.resize(shared.count);
+        std::vector<bool> isKnown(shared.count);
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            PartOfPoints& part = parts_[i];
+            part.inModel = std::move(shared.numbers[i]);
+            for (std::size_t point = 0; point < part.inModel.size(); ++point) {
+                const Index number = part.inModel[point];
+                if (!isKnown[number]) positions_[number] = part.numbers.points.values[point];
+                isKnown[number] = true;
+            }
+        }
+    }
+
+    /// Throws the error of a point that is not finite.
+    [[noreturn]] void refuse(Index point) {
+        const auto refuseIn = [&](const PartOfPoints& part, std::size_t own) {
+            refuseNotFinitePoint({files_[part.file].path, part.text, part.numbers}, own);
+        };
+        if (!isJoined()) {
+            held_->restore(parts_[0].numbers.points.values);
+            refuseIn(parts_[0], static_cast<std::size_t>(point));
+        }
+        for (const PartOfPoints& part : parts_)
+            if (const auto own = std::ranges::find(part.inModel, point); own != part.inModel.end())
+                refuseIn(part, static_cast<std::size_t>(own - part.inModel.begin()));
+        throw FileError(path_, concat("point ", point, " is not finite"));
+    }
+
+    /// Returns the files that this model writes for a folder of a decomposed case.
+    /// \throws FileError unless it has the same parts
+    std::vector<Path> targetsIn(const Path& folder) const {
+        const FoamCase target = foamTargetOf(folder);
+        const auto folders = [](const Path& file) { return partOf(file).value_or(""); };
+        std::vector<Path> names;
+        for (const PointsFile& file : files_) names.push_back(file.name);
+        if (!target.isDecomposed || !std::ranges::equal(names, target.files, {}, folders, folders))
+            throw FileError(folder, concat("is no copy of the decomposed case, with the same ",
+                                           "processor folders; write into a copy (cp -r CASE "
+                                           "COPY)"));
+        std::vector<Path> paths;
+        for (const Path& file : target.files) paths.push_back(target.root / file);
+        return paths;
+    }
+
+    /// Throws unless a file "points" belongs to the same mesh as one of our files, or to none.
+    void checkMesh(const PointsFile& file, const Path& target) const {
+        const auto refuse = [&](const std::string& cause) {
+            throw FileError(target, "belongs to another mesh, " + cause +
+                                        "; write into a copy of the case (cp -r CASE COPY)");
+        };
+        const auto theirs = facesFolder(target);
+        if (!theirs) return;
+        if (const auto ours = facesFolder(file.path)) {
+            if (!haveSameFoamCells(*ours, *theirs))
+                refuse("whose faces, owner and neighbour are not those of " + shownPath(file.path));
+            return;
+        }
+        // The points of a binding come without their faces.
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(target, ignored)) return;
+        const std::string text = inflatedFoam(target, readFile(target));
+        std::vector<std::size_t> counts, own;
+        forEachFoamPart(target, text, [&](FoamFile& other) {
+            counts.push_back(other.points().points.values.size());
+        });
+        const auto number = static_cast<std::size_t>(&file - files_.data());
+        for (const PartOfPoints& part : parts_)
+            if (part.file == number) own.push_back(part.numbers.points.values.size());
+        if (counts != own)
+            refuse(concat("which has ", std::reduce(counts.begin(), counts.end()), " points",
+                          counts.size() > 1 ? concat(" in ", counts.size(), " processes") : "",
+                          ", and not ", std::reduce(own.begin(), own.end())));
+    }
+
+    void checkOwnTarget(const Path& target) const override {
+        if (isArchive_) {
+            std::error_code ignored;
+            if (const auto status = std::filesystem::status(target, ignored);
+                std::filesystem::exists(status) && !std::filesystem::is_directory(status))
+                throw FileError(target, concat("cannot hold the ", files_.size(),
+                                               " files of a decomposed case; write into a copy of "
+                                               "the case (cp -r CASE COPY)"));
+            const auto targets = targetsIn(target);
+            for (std::size_t i = 0; i < targets.size(); ++i)
+                if (isMoved(i)) checkMesh(files_[i], targets[i]);
+            return;
+        }
+        std::error_code ignored;
+        const auto status = std::filesystem::status(target, ignored);
+        if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+            !std::filesystem::is_directory(status))
+            return;
+        if (foamTargetOf(target).isDecomposed)
+            throw FileError(target,
+                            "is a decomposed case, but the model has the points of one mesh "
+                            "alone; name a file 'points' in this case");
+        // A new name without an extension may be meant as the folder of a case.
+        if (target.filename() != kFoamPoints && !isCompressedName(target))
+            throw FileError(
+                target,
+                "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+                "or into a folder with a copy of the case (cp -r CASE COPY)");
+        checkMesh(files_[0], target);
+    }
+
+    static bool isCompressedName(const Path& path) {
+        return path.filename() == concat(kFoamPoints, ".gz");
+    }
+
+    /// Returns true if the points of a file belong to the model.
+    bool isMoved(std::size_t file) const {
+        return std::ranges::find(parts_, file, &PartOfPoints::file) != parts_.end();
+    }
+
+    void writeChecked(const Path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient>) const override {
+        const std::vector<Point3> held =
+            held_->empty() ? std::vector<Point3>() : held_->held(moved);
+        const auto now = held_->empty() ? moved : std::span<const Point3>(held);
+        const auto targets = isArchive_ ? targetsIn(path) : std::vector<Path>{path};
+        std::vector<FileToWrite> files;
+        for (std::size_t i = 0; i < files_.size(); ++i)
+            if (isMoved(i))
+                files.push_back(
+                    {targets[i], [this, i, now, target = targets[i]](std::ostream& out) {
+                         write(out, files_[i], now, target);
+                     }});
+        writeFiles(files);
+    }
+
+    /// Writes a file: compressed if its name says so, or as the file of the same name that was
+    /// read. Another name than "points" or "points.gz" is that of a device.
+    void write(std::ostream& out, const PointsFile& file, std::span<const Point3> now,
+               const Path& target) const {
+        const Path name = target.filename();
+        const bool isOwnForm =
+            name == file.name.filename() || (name != kFoamPoints && !isCompressedName(target));
+        const bool compresses = isOwnForm ? file.isCompressed() : isCompressedName(target);
+        const auto number = static_cast<std::size_t>(&file - files_.data());
+        const auto positionsAtRest = positions();
+        bool isAtRest = true;
+        for (const PartOfPoints& part : parts_)
+            for (std::size_t point = 0;
+                 part.file == number && isAtRest && point < part.numbers.points.values.size();
+                 ++point) {
+                const std::size_t inModel = numberInModel(part, point);
+                isAtRest = now[inModel] == positionsAtRest[inModel];
+            }
+        if (isAtRest && compresses == file.isCompressed()) {
+            out << file.stored;
+            return;
+        }
+        if (!compresses) {
+            writeText(out, file, now);
+            return;
+        }
+        std::ostringstream text;
+        writeText(text, file, now);
+        out << gzip(std::move(text).str());
+    }
+
+    std::size_t numberInModel(const PartOfPoints& part, std::size_t point) const {
+        return isJoined() ? static_cast<std::size_t>(part.inModel[point]) : point;
+    }
+
+    void writeText(std::ostream& out, const PointsFile& file, std::span<const Point3> now) const {
+        const auto number = static_cast<std::size_t>(&file - files_.data());
+        const std::string_view content = file.content();
+        std::size_t written = 0;
+        auto block = file.blocks.begin();
+        for (const PartOfPoints& part : parts_) {
+            if (part.file != number) continue;
+            if (file.blocks.empty()) {
+                writePart(out, file, part, now);
+                return;
+            }
+            std::ostringstream stream;
+            writePart(stream, file, part, now);
+            const std::string text = std::move(stream).str();
+            out << content.substr(written, block->sizeBegin - written) << text.size()
+                << content.substr(block->sizeEnd, block->begin - block->sizeEnd) << text;
+            written = block->end;
+            ++block;
+        }
+        out << content.substr(written);
+    }
+
+    void writePart(std::ostream& out, const PointsFile& file, const PartOfPoints& part,
+                   std::span<const Point3> now) const {
+        const FileView view{file.path, part.text, part.numbers};
+        if (!isJoined()) {
+            writeNumbers(out, view, now, {});
+            return;
+        }
+        // A point that stays keeps its text, also where two parts differ in the sign of a zero.
+        const auto& own = part.numbers.points.values;
+        std::vector<Point3> moved(own.begin(), own.end());
+        for (std::size_t point = 0; point < moved.size(); ++point)
+            if (const Index inModel = part.inModel[point]; now[inModel] != positions_[inModel])
+                moved[point] = now[inModel];
+        writeNumbers(out, view, moved, {});
+    }
+
+    Path path_;
+    std::string bytes_;
+    bool isArchive_ = false;         ///< a decomposed case
+    std::deque<std::string> rooms_;  ///< inflated members of the archive
+    std::vector<PointsFile> files_;
+    std::vector<PartOfPoints> parts_;
+    std::vector<Point3> positions_;  ///< of the model, if it has several parts
+    std::vector<std::string> notes_;
+    std::optional<HeldPoints> held_;
+};
+
+std::unique_ptr<Model> readFoamModel(const Format& format, const Path& path, std::string bytes) {
+    return std::make_unique<FoamModel>(format, path, std::move(bytes));
 }
 
-namespace {
-
-Lattice readFoam(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    if (!facesFolder(path))
+Lattice readFoamLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
+    const auto model = readFoamModel(kFoamFormat, path, std::string(bytes));
+    const far::VolumeMesh mesh = model->readCells().volume;
+    if (mesh.pointCount() == 0)
         throw FileError(path,
                         "has no file 'faces' beside it, nor in constant/polyMesh of its case; a "
                         "lattice needs the files faces, owner and neighbour");
-    return readLatticeOfMesh(kFoamMesh, path, bytes, notes);
+    LatticeCells cells(path, mesh.pointCount());
+    visitVolume(mesh, cells);
+    Lattice parts;
+    parts.positions.assign(model->positions().begin(), model->positions().end());
+    return finishLattice(path, cells.takeBuilder(), std::move(parts), notes);
 }
 
 }  // namespace
+
+std::string archiveOf(const FoamCase& files) {
+    std::ostringstream stream;
+    ZipWriter zip(stream);
+    for (const Path& file : files.files) {
+        const std::string bytes = readFile(files.root / file);
+        zip.add(file.generic_string(), [&](ByteOutput& out) { out.bytes(bytes); });
+    }
+    zip.finish();
+    return std::move(stream).str();
+}
 
 const Format kFoamFormat = {.extensions = {kFoamPoints},
                             .words = "an OpenFOAM case",
                             .isMesh = true,
                             .isPath = isFoamPath,
-                            .readModel = readMeshModel<kFoamMesh>,
-                            .readLattice = readFoam};
+                            .readModel = readFoamModel,
+                            .readLattice = readFoamLattice};
 
 }  // namespace espalier::io

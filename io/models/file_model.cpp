@@ -32,7 +32,10 @@ public:
           numbers_(functions.readNumbers(path_, bytes_)),
           held_(numbers_.points.values) {
         checkedIndex(path, numbers_.points.values.size(), "points");
-        if (const auto used = held_.findUsed(*this)) refuseNotFinitePoint(*used);
+        if (const auto used = held_.findUsed(*this)) {
+            held_.restore(numbers_.points.values);
+            refuseNotFinitePoint(view(), *used);
+        }
         if (!held_.empty()) numbers_.notes.push_back(held_.note());
     }
 
@@ -66,26 +69,7 @@ public:
     }
 
 private:
-    /// Throws the error of a point whose numbers in the file are not finite.
-    [[noreturn]] void refuseNotFinitePoint(std::size_t point) {
-        auto& [values, offsets, precisions, carry] = numbers_.points;
-        held_.restore(values);
-        std::size_t axis = 0;
-        while (std::isfinite(values[point][axis])) ++axis;
-        if (offsets.empty())
-            throw FileError(path_, concat(axisName(axis), " of point ", point, " is not finite"));
-        const std::size_t offset = offsets[point][axis];
-        if (numbers_.order) refuseNotFinite(offset, axis, point, path_);
-        const std::string_view before = std::string_view(bytes_).substr(0, offset);
-        refuseNotFinite(numberAt(bytes_, offset), axis, path_,
-                        1 + std::ranges::count(before, '\n'));
-    }
-
     FileView view() const { return {path_, bytes_, numbers_}; }
-
-    void checkOwnTarget(const std::filesystem::path& target) const override {
-        if (functions_.checkTarget) functions_.checkTarget(view(), target);
-    }
 
     std::string ownLosses() const override {
         return functions_.losses ? functions_.losses(view()) : std::string();
@@ -116,6 +100,19 @@ std::vector<Point3> normalsOf(const FileNumbers& numbers) {
         std::ranges::find(numbers.directions, Carry{carryNormal}, &FileVectors::carry);
     if (normals == numbers.directions.end()) return {};
     return {normals->values.begin(), normals->values.end()};
+}
+
+void refuseNotFinitePoint(const FileView& file, std::size_t point) {
+    const auto& [values, offsets, precisions, carry] = file.numbers.points;
+    std::size_t axis = 0;
+    while (std::isfinite(values[point][axis])) ++axis;
+    if (offsets.empty())
+        throw FileError(file.path, concat(axisName(axis), " of point ", point, " is not finite"));
+    const std::size_t offset = offsets[point][axis];
+    if (file.numbers.order) refuseNotFinite(offset, axis, point, file.path);
+    const std::string_view before = file.bytes.substr(0, offset);
+    refuseNotFinite(numberAt(file.bytes, offset), axis, file.path,
+                    1 + std::ranges::count(before, '\n'));
 }
 
 void writeNumbers(std::ostream& out, const FileView& file, std::span<const Point3> moved,

@@ -101,9 +101,6 @@ struct FileModelFormat {
     std::vector<PointAttribute> (*attributes)(const FileView& file) = nullptr;
     std::vector<PointGroup> (*groups)(const FileView& file) = nullptr;
 
-    /// Throws unless the numbers may be written to `target`; null if any name will do.
-    void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
-
     /// Writes the file, for formats with numbers that follow from others; null if writeNumbers()
     /// does it.
     /// \param gradients one per point, or empty
@@ -124,6 +121,9 @@ struct FileModelFormat {
 /// \throws Error naming the point, if a file of two dimensions would get a z, or as roundTo()
 void writeNumbers(std::ostream& out, const FileView& file, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients);
+
+/// Throws the error of a point whose numbers in the file are not finite.
+[[noreturn]] void refuseNotFinitePoint(const FileView& file, std::size_t point);
 
 /// Makes the model of a file.
 /// \param functions must live for ever

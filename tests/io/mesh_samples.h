@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
@@ -225,6 +226,103 @@ inline std::filesystem::path putFoam(const std::filesystem::path& folder,
     std::filesystem::create_directories(folder);
     for (const auto& [name, bytes] : files) putFile(folder / name, bytes);
     return folder / "points";
+}
+
+/// The files of the sample for each process, as decomposePar writes them: with the points that its
+/// cells use, its internal faces, its faces of the patch "walls", and those to each other process,
+/// which the process with the larger number has the other way round.
+/// \param processes the process of each cell
+inline std::vector<std::map<std::string, std::string>> decomposedFoam(
+    const std::vector<int>& processes) {
+    const FoamFaces faces;
+    std::vector<std::map<std::string, std::string>> result;
+    const int count = 1 + *std::max_element(processes.begin(), processes.end());
+    for (int process = 0; process < count; ++process) {
+        std::vector<int> cells(processes.size(), -1);  // their numbers in the process
+        for (std::size_t cell = 0, next = 0; cell < cells.size(); ++cell)
+            if (processes[cell] == process) cells[cell] = int(next++);
+        // Lists of faces: inside, on the wall, and to each process.
+        std::vector<std::vector<int>> loops;
+        std::vector<int> owners, neighbours;
+        const auto add = [&](const std::vector<int>& loop, int cell) {
+            loops.push_back(loop);
+            owners.push_back(cells[std::size_t(cell)]);
+        };
+        const auto isInside = [&](std::size_t face) { return face < faces.neighbours.size(); };
+        for (std::size_t face = 0; isInside(face); ++face)
+            if (const int from = faces.owners[face], to = faces.neighbours[face];
+                cells[std::size_t(from)] >= 0 && cells[std::size_t(to)] >= 0) {
+                add(faces.loops[face], from);
+                neighbours.push_back(cells[std::size_t(to)]);
+            }
+        std::string boundary;
+        std::size_t begin = loops.size(), patches = 1;
+        for (std::size_t face = faces.neighbours.size(); face < faces.loops.size(); ++face)
+            if (cells[std::size_t(faces.owners[face])] >= 0)
+                add(faces.loops[face], faces.owners[face]);
+        const auto patch = [&](const std::string& head) {
+            boundary += head + " nFaces " + std::to_string(loops.size() - begin) + "; startFace " +
+                        std::to_string(begin) + ";}\n";
+            begin = loops.size();
+        };
+        patch("walls {type wall;");
+        for (int other = 0; other < count; ++other) {
+            for (std::size_t face = 0; other != process && isInside(face); ++face) {
+                const int from = faces.owners[face], to = faces.neighbours[face];
+                const int own = processes[std::size_t(from)], next = processes[std::size_t(to)];
+                std::vector<int> loop = faces.loops[face];
+                if (own == process && next == other) add(loop, from);
+                std::reverse(loop.begin() + 1, loop.end());
+                if (own == other && next == process) add(loop, to);
+            }
+            if (loops.size() == begin) continue;
+            ++patches;
+            patch("procBoundary" + std::to_string(process) + "to" + std::to_string(other) +
+                  " {type processor; myProcNo " + std::to_string(process) + "; neighbProcNo " +
+                  std::to_string(other) + ";");
+        }
+        std::map<int, int> numbers;  // of the points
+        for (const auto& loop : loops)
+            for (const int point : loop) numbers[point] = 0;
+        std::string points, faceText, ownerText, neighbourText;
+        for (auto& [point, number] : numbers) {
+            number = int(std::distance(numbers.begin(), numbers.find(point)));
+            points += "(" + coordinates(std::size_t(point)) + ")\n";
+        }
+        for (auto& loop : loops) {
+            for (int& point : loop) point = numbers[point];
+            faceText += std::to_string(loop.size()) + "(" + words(loop).substr(1) + ")\n";
+        }
+        const auto list = [](std::size_t size, const std::string& text) {
+            return std::to_string(size) + "\n(\n" + text + ")\n";
+        };
+        result.push_back(
+            {{"points", foamHeader("vectorField", "points") + list(numbers.size(), points)},
+             {"faces", foamHeader("faceList", "faces") + list(loops.size(), faceText)},
+             {"owner", foamHeader("labelList", "owner") + list(owners.size(), words(owners))},
+             {"neighbour",
+              foamHeader("labelList", "neighbour") + list(neighbours.size(), words(neighbours))},
+             {"boundary", foamHeader("polyBoundaryMesh", "boundary") + list(patches, boundary)}});
+    }
+    return result;
+}
+
+/// Puts files of processes together, as OpenFOAM's fileHandler collated does: only the first one
+/// has a header.
+inline std::map<std::string, std::string> collatedFoam(
+    const std::vector<std::map<std::string, std::string>>& processes) {
+    std::map<std::string, std::string> result;
+    for (const auto& [name, first] : processes[0]) {
+        std::string text = foamHeader("decomposedBlockData", name, true);
+        for (std::size_t process = 0; process < processes.size(); ++process) {
+            std::string bytes = processes[process].at(name);
+            if (process > 0) bytes.erase(0, bytes.find("// * * * //") + 11);
+            text += "\n// Processor" + std::to_string(process) + "\n\n" +
+                    std::to_string(bytes.size()) + "\n(" + bytes + ")\n";
+        }
+        result[name] = text;
+    }
+    return result;
 }
 
 /// A PLOT3D grid in text of the given blocks, by their extents, with x = i, y = 2j, z = 3k and an

@@ -13,6 +13,21 @@ namespace {
 
 using Files = std::map<std::string, std::string>;
 
+/// Returns a file of gzip without compression (RFC 1951 and 1952): a head, one stored block, the
+/// checksum and the size.
+std::string compressed(const std::string& bytes) {
+    const auto order = std::endian::little;
+    const auto size = std::uint16_t(bytes.size());
+    std::uint32_t crc = ~0u;
+    for (const char c : bytes) {
+        crc ^= static_cast<unsigned char>(c);
+        for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return std::string("\x1f\x8b\x08\0\0\0\0\0\0\xff\x01", 11) + bytesOf(size, order) +
+           bytesOf(std::uint16_t(~size), order) + bytes + bytesOf(~crc, order) +
+           bytesOf(std::uint32_t(size), order);
+}
+
 TEST(OpenFoam, PointsAreAModelAsTextAndInBinary) {
     for (const bool isBinary : {false, true}) {
         const std::string bytes = sampleFoam(isBinary)["points"];
@@ -119,12 +134,49 @@ TEST(OpenFoam, IsWrittenToPointsOrIntoACopyOfTheCase) {
     EXPECT_REFUSED(FileError, "is a folder without a mesh of OpenFOAM (constant/polyMesh)",
                    readModel(folder / "none"));
     EXPECT_REFUSED(FileError, "is a folder without a mesh", readLattice(folder / "none"));
-    std::filesystem::rename(folder / "case/constant/polyMesh/points",
-                            folder / "case/constant/polyMesh/points.gz");
-    EXPECT_REFUSED(FileError, "points.gz: is compressed; run gunzip", readModel(folder / "case"));
-    std::filesystem::remove(folder / "case/constant/polyMesh/points.gz");
+    std::filesystem::remove(folder / "case/constant/polyMesh/points");
     EXPECT_REFUSED(FileError, "has a folder polyMesh without a file of points",
                    readModel(folder / "case"));
+}
+
+TEST(OpenFoam, CompressedFilesAreReadAndWritten) {
+    const TemporaryFolder folder;
+    const auto plain = putFoam(folder / "plain/constant/polyMesh", sampleFoam());
+    Files files;
+    for (const auto& [name, bytes] : sampleFoam()) files[name + ".gz"] = compressed(bytes);
+    putFoam(folder / "case/constant/polyMesh", files);
+    const auto points = folder / "case/constant/polyMesh/points.gz";
+    for (const auto& path : {folder / "case", points}) {
+        EXPECT_EQ(modelFile(path), points);
+        const auto model = readModel(path);
+        EXPECT_EQ(model->readCells().volume.cellCount(), 4);
+        EXPECT_EQ(copyOf(model->positions()), samplePoints());
+        EXPECT_EQ(readLattice(path).complex.count(3), 4);
+        // At rest the compressed bytes are the same, which another program has made.
+        putFile(points, files["faces.gz"]);
+        model->write(path, model->positions());
+        EXPECT_TRUE(readFile(points) == files["points.gz"]);
+        auto moved = copyOf(model->positions());
+        moved[11][2] = 3.5;
+        model->write(path, moved);
+        EXPECT_TRUE(readFile(points).starts_with("\x1f\x8b"));
+        EXPECT_EQ(copyOf(readModel(points)->positions()), moved);
+        // The name of the output tells its form.
+        model->write(folder / "plain", moved);
+        EXPECT_TRUE(readFile(plain) == replaced(sampleFoam()["points"], "(3 1 3)", "(3 1 3.5)"));
+        model->write(folder / "plain", model->positions());
+        EXPECT_TRUE(readFile(plain) == sampleFoam()["points"]);
+        readModel(plain)->write(path, moved);
+        EXPECT_EQ(copyOf(readModel(points)->positions()), moved);
+        putFile(points, files["points.gz"]);
+    }
+    std::string damaged = files["points.gz"];
+    damaged.resize(damaged.size() - 9);
+    putFile(points, damaged);
+    EXPECT_REFUSED(FileError, "points.gz: is damaged: it ends too early", readModel(points));
+    putFile(points, files["points.gz"]);
+    putFile(folder / "case/constant/polyMesh/owner.gz", damaged);
+    EXPECT_REFUSED(FileError, "owner.gz: is damaged", readModel(points)->readCells());
 }
 
 TEST(OpenFoam, IsNotWrittenOverTheMeshOfAnotherCase) {
@@ -252,12 +304,6 @@ TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
     files = good;
     files["neighbour"] = foamHeader("labelList", "neighbour") + "1{0}";
     expectRefused(files, "neighbour: face 0 has cell 0 as its owner and as its neighbour");
-    for (const char* name : {"faces", "owner", "neighbour"}) {
-        files = good;
-        files[std::string(name) + ".gz"] = files[name];
-        files.erase(name);
-        expectRefused(files, concat(name, ".gz: is compressed; run gunzip on the files"));
-    }
     files = good;
     files.erase("owner");
     expectRefused(files, "owner: cannot open");
