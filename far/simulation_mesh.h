@@ -7,6 +7,7 @@
 #include <espalier/far/volume_mesh.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,11 @@ struct MeshPatch {
 
     /// The patch of the same faces on the other side of a periodic mesh; empty if there is none.
     std::string partner = {};
+
+    /// Points of the patch, each with its image in the partner. If there are none, face i of the
+    /// patch is face i of the partner, which goes around in the other direction from the same first
+    /// corner.
+    std::vector<std::array<Index, 2>> images = {};
 
     Index faceCount() const { return static_cast<Index>(faces.count()); }
 };

@@ -77,11 +77,12 @@ private:
 }  // namespace
 
 std::optional<Constraint> constraintOf(const far::MeshPatch& patch) {
-    if (patch.type == "symmetry" || patch.type == "symmetryPlane" || patch.type == "wedge")
-        return Constraint::Plane;
+    for (const char* type : {"symmetry", "symmetryPlane", "wedge", "BCSymmetryPlane"})
+        if (patch.type == type) return Constraint::Plane;
     if (patch.type == "empty") return Constraint::Sides;
     if (!patch.partner.empty() &&
-        (patch.type.starts_with("cyclic") || patch.type == "periodic" || patch.type == "shadow"))
+        (patch.type.empty() || patch.type.starts_with("cyclic") || patch.type == "periodic" ||
+         patch.type == "shadow"))
         return Constraint::Periodic;
     if (!patch.type.empty() || patch.dimension == 3) return std::nullopt;
     std::string name = patch.name;
@@ -114,7 +115,9 @@ ConstraintPatches::ConstraintPatches(std::span<const far::MeshPatch> patches,
             const auto partner = std::ranges::find(patches, patch.partner, &far::MeshPatch::name);
             isFulfilled = partner != patches.end() && findMotion(patch, *partner, checked);
         } else {
-            const std::size_t mostPlanes = *constraint == Constraint::Sides ? 2 : 1;
+            // A family of CGNS may have the symmetry planes on both sides of a mesh.
+            const bool isOne = patch.type == "symmetryPlane" || patch.type == "wedge";
+            const std::size_t mostPlanes = isOne ? 1 : 2;
             isFulfilled = findPlanes(patch, checked) && checked.planes.size() <= mostPlanes;
         }
         if (isFulfilled)
@@ -213,6 +216,13 @@ bool ConstraintPatches::findPlanes(const far::MeshPatch& patch, Checked& checked
                                   patch.points});
         return std::ranges::none_of(patch.points, isFar(checked.planes[0], kFulfilled * size_));
     }
+    if (patch.faces.empty()) {
+        Plane plane{{}, {}, patch.points};
+        fitPlane(plane);
+        checked.planes.push_back(std::move(plane));
+        return length(checked.planes[0].normal) > 0 &&
+               std::ranges::none_of(patch.points, isFar(checked.planes[0], kFulfilled * size_));
+    }
     std::vector<Index> left(patch.faceCount());
     std::iota(left.begin(), left.end(), 0);
     std::vector<Point3> areas;
@@ -303,11 +313,11 @@ bool ConstraintPatches::pairWedges(Checked& checked, const Plane& other) const {
 
 bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshPatch& partner,
                                    Checked& checked) const {
-    // Face i of one patch is face i of the other one, which goes around in the other direction from
-    // the same first corner.
-    if (patch.faceCount() != partner.faceCount()) return false;
     std::vector<Pair>& pairs = checked.pairs;
-    for (Index number = 0; number < patch.faceCount(); ++number) {
+    for (const auto& [point, image] : patch.images) pairs.push_back({point, image});
+    const bool hasImages = !patch.images.empty();
+    if (!hasImages && patch.faceCount() != partner.faceCount()) return false;
+    for (Index number = 0; !hasImages && number < patch.faceCount(); ++number) {
         const auto face = patch.faces[number], image = partner.faces[number];
         if (face.size() != image.size()) return false;
         for (std::size_t i = 0; i < face.size(); ++i)
@@ -332,6 +342,13 @@ bool ConstraintPatches::findMotion(const far::MeshPatch& patch, const far::MeshP
     for (const Pair& pair : pairs)
         products += (toEigen(difference(rest_[pair.image], imageBase)) - imageMean) *
                     (toEigen(difference(rest_[pair.point], base)) - mean).transpose();
+    if (patch.dimension == 1) {
+        // A line determines no rotation around itself. The normal of the plane mesh stays.
+        std::vector<Index> all(rest_.size());
+        std::iota(all.begin(), all.end(), 0);
+        const Eigen::Vector3d normal = toEigen(PrincipalAxes(all, rest_).directions[2]);
+        products += count * size_ * size_ * normal * normal.transpose();
+    }
     const Eigen::Matrix3d rotation = rotationBySingularValues(products);
     for (Eigen::Index axis = 0; axis < 3; ++axis)
         checked.axes[axis] = {rotation(axis, 0), rotation(axis, 1), rotation(axis, 2)};

@@ -19,16 +19,17 @@ namespace espalier::solve {
 
 /// The shape that a patch must keep.
 enum class Constraint {
-    Plane,    ///< a symmetry plane, or the side of a wedge: the points stay in their plane; if a
-              ///< mesh has two wedges, they stay mirror images
+    Plane,    ///< a symmetry plane, or the side of a wedge: the points stay in their plane, or in
+              ///< their two planes; if a mesh has two wedges, they stay mirror images
     Sides,    ///< "empty": the points stay in their one or two planes, and opposite points opposite
     Periodic  ///< the patch stays the image of its partner, under the motion that maps it at rest
 };
 
 /// Returns the constraint of a patch, or nothing. By the type, as OpenFOAM names it: `symmetry`,
 /// `symmetryPlane` and `wedge` are planes, `empty` has sides, and types that begin with `cyclic`
-/// are periodic if they have a partner; likewise `periodic` and `shadow` of Fluent. Without a type:
-/// a patch of faces or lines with "symm" in its name is a plane.
+/// are periodic if they have a partner; likewise `periodic` and `shadow` of Fluent. As CGNS names
+/// it: `BCSymmetryPlane` is a plane. Without a type: a patch with a partner is periodic; a patch of
+/// faces or lines with "symm" in its name is a plane.
 ESPALIER_API std::optional<Constraint> constraintOf(const far::MeshPatch& patch);
 
 /// The effect of a pose on a constraint patch.

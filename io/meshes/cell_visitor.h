@@ -4,6 +4,7 @@
 #include <espalier/base/index.h>
 #include <espalier/far/standard_cells.h>
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -49,8 +50,18 @@ public:
     /// A face of a surface, in the order around it.
     virtual void face(std::span<const Index> points) = 0;
 
-    /// A face of a cell on the boundary, from a format that lists the faces of its cells.
-    virtual void boundaryFace(std::span<const Index>) {}
+    /// A face of a cell that is in the current groups, and is no element of its own.
+    virtual void patchFace(std::span<const Index>) {}
+
+    /// Points in the current groups, of which the file does not give the elements.
+    /// \param dimension of the groups
+    virtual void patchPoints([[maybe_unused]] int dimension, std::span<const Index>) {}
+
+    /// The points of a group are periodic images of the points of another group, or of the same
+    /// one. Comes after the elements. \param images points of the group, each with its image
+    virtual void periodic([[maybe_unused]] const std::string& group,
+                          [[maybe_unused]] const std::string& partner,
+                          std::span<const std::array<Index, 2>>) {}
 
     /// A vertex (dimension 0) or a straight line (dimension 1).
     virtual void smallCell(int dimension, std::span<const Index> points) = 0;

@@ -82,6 +82,7 @@ public:
             readElements4(visitor);
         else
             readElements2(visitor);
+        if (visitor.wantsGroups()) readPeriodic(visitor);
     }
 
 private:
@@ -280,6 +281,84 @@ private:
         return nameOfGroup(static_cast<int>(dimension), concat(tag));
     }
 
+    /// The nodes of an entity, and their images on another one.
+    struct Periodic {
+        std::int64_t dimension, entity, master;
+        std::vector<std::array<Index, 2>> images;
+    };
+
+    /// Returns true if the file has a section with this name.
+    bool hasSection(const char* name) const {
+        return bytes_.find(concat("$", name, "\n")) != std::string_view::npos ||
+               bytes_.find(concat("$", name, "\r\n")) != std::string_view::npos;
+    }
+
+    /// Reads which groups are periodic: those of the entities of the largest dimension. Entities in
+    /// no group, or in several, are left out.
+    void readPeriodic(CellVisitor& visitor) {
+        if (!hasSection("Periodic")) return;
+        GmshReader reader(path_, bytes_);
+        reader.seek("Periodic");
+        std::vector<Periodic> all = reader.readImages(*this);
+        std::int64_t dimension = 1;
+        for (const Periodic& each : all) dimension = std::max(dimension, each.dimension);
+        for (Periodic& each : all) {
+            const auto& groups = groupsOfEntities_[{each.dimension, each.entity}];
+            const auto& partners = groupsOfEntities_[{each.dimension, each.master}];
+            if (each.dimension != dimension || groups.size() != 1 || partners.size() != 1) continue;
+            visitor.periodic(groups[0], partners[0], each.images);
+            if (groups[0] == partners[0]) continue;
+            for (auto& [point, image] : each.images) std::swap(point, image);
+            visitor.periodic(partners[0], groups[0], each.images);
+        }
+    }
+
+    /// Reads the section of periodic entities, which is text in binary files of version 2.
+    /// \param nodes the reader that knows the nodes
+    std::vector<Periodic> readImages(const GmshReader& nodes) {
+        if (!isVersion4_) isBinary_ = false;
+        const std::size_t entityCount = count<std::uint64_t>("the number of periodic entities", 8);
+        std::vector<Periodic> all;
+        for (std::size_t i = 0; i < entityCount; ++i) {
+            Periodic& each = all.emplace_back();
+            each.dimension = integer<std::int32_t>("the dimension of an entity");
+            each.entity = integer<std::int32_t>("the tag of an entity");
+            each.master = integer<std::int32_t>("the tag of an entity");
+            std::size_t nodeCount = 0;
+            if (isVersion4_) {
+                const std::size_t affine = count<std::uint64_t>("the size of a matrix", 2);
+                for (std::size_t number = 0; number < affine; ++number) skipParameter();
+                nodeCount = count<std::uint64_t>("the number of periodic nodes", 4);
+            } else {
+                std::string_view word = text_.token("the number of periodic nodes");
+                if (word == "Affine") {
+                    text_.restOfLine();
+                    word = text_.token("the number of periodic nodes");
+                }
+                if (!parseNumber(word, nodeCount))
+                    text_.fail(inQuotes(word) + " is not the number of periodic nodes");
+                text_.checkRoom(nodeCount, 4, "the number of periodic nodes");
+            }
+            for (std::size_t node = 0; node < nodeCount; ++node) {
+                const std::int64_t own = integer<std::uint64_t>("the tag of a node");
+                const std::int64_t image = integer<std::uint64_t>("the tag of a node");
+                each.images.push_back({nodes.indexOf(own), nodes.indexOf(image)});
+            }
+        }
+        expectEnd("$EndPeriodic");
+        return all;
+    }
+
+    /// Remembers the group of an entity of version 2.
+    void addEntity(std::int64_t dimension, std::int64_t entity) {
+        if (currentGroup_.second == 0 || DimensionAndTag(dimension, entity) == currentEntity_)
+            return;
+        currentEntity_ = {dimension, entity};
+        auto& groups = groupsOfEntities_[currentEntity_];
+        const std::string name = groupName(dimension, currentGroup_.second);
+        if (std::ranges::count(groups, name) == 0) groups.push_back(name);
+    }
+
     /// Begins the group of the next elements of version 2, unless it is the current one. An element
     /// has one group; 0 is none.
     void beginGroup(std::int64_t dimension, std::int64_t tag, CellVisitor& visitor) {
@@ -297,9 +376,7 @@ private:
         for (const bool areEntities : {false, true}) {
             const char* name = areEntities ? "Entities" : "PhysicalNames";
             if (areEntities && !isVersion4_) continue;
-            if (bytes_.find(concat("$", name, "\n")) == std::string_view::npos &&
-                bytes_.find(concat("$", name, "\r\n")) == std::string_view::npos)
-                continue;
+            if (!hasSection(name)) continue;
             GmshReader reader(path_, bytes_);
             reader.seek(name);
             if (areEntities)
@@ -389,6 +466,7 @@ private:
                     const std::int64_t value = integer<std::int32_t>("a tag of an element");
                     if (tag == 0 && visitor.wantsGroups())
                         beginGroup(type->dimension, value, visitor);
+                    if (tag == 1 && visitor.wantsGroups()) addEntity(type->dimension, value);
                 }
                 readElementNodes<std::int32_t>(*type);
                 visit(*type, visitor);
@@ -440,8 +518,9 @@ private:
 
     using DimensionAndTag = std::pair<std::int64_t, std::int64_t>;
     DimensionAndTag currentGroup_ = {};
-    std::map<DimensionAndTag, std::string> groupNames_;                     ///< of physical groups
-    std::map<DimensionAndTag, std::vector<std::string>> groupsOfEntities_;  ///< version 4
+    DimensionAndTag currentEntity_ = {};
+    std::map<DimensionAndTag, std::string> groupNames_;  ///< of physical groups
+    std::map<DimensionAndTag, std::vector<std::string>> groupsOfEntities_;
     std::vector<Index> nodes_;  ///< the nodes of the current element
 };
 

@@ -107,6 +107,15 @@ void MeshCells::face(std::span<const Index> points) {
         ++unknownElements_;
 }
 
+void MeshCells::patchFace(std::span<const Index> points) {
+    patches_.add(2, points);
+    patches_.addFace(points);
+}
+
+void MeshCells::patchPoints(int dimension, std::span<const Index> points) {
+    patches_.add(dimension, points);
+}
+
 void MeshCells::smallCell(int dimension, std::span<const Index> points) {
     if (dimension == 1) line(points);
 }

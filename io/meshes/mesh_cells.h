@@ -32,6 +32,12 @@ public:
     void polyhedron(std::span<const std::vector<Index>> loops) override;
 
     void face(std::span<const Index> points) override;
+    void patchFace(std::span<const Index> points) override;
+    void patchPoints(int dimension, std::span<const Index> points) override;
+    void periodic(const std::string& group, const std::string& partner,
+                  std::span<const std::array<Index, 2>> images) override {
+        patches_.addImages(group, partner, images);
+    }
     void smallCell(int dimension, std::span<const Index> points) override;
     void curvedCell(int dimension, std::span<const Index> points) override;
 

@@ -61,6 +61,16 @@ void PatchCollector::addLine(std::span<const Index> points) {
     for (const Index number : current_) patches_[number].lines.push(points);
 }
 
+void PatchCollector::addImages(const std::string& name, const std::string& partner,
+                               std::span<const std::array<Index, 2>> images) {
+    const auto found = numbers_.find(name);
+    if (found == numbers_.end() || !numbers_.contains(partner)) return;
+    far::MeshPatch& patch = patches_[found->second];
+    if (patch.partner.empty()) patch.partner = partner;
+    if (patch.partner == partner)
+        patch.images.insert(patch.images.end(), images.begin(), images.end());
+}
+
 std::vector<far::MeshPatch> PatchCollector::take() {
     for (std::size_t number = 0; number < patches_.size(); ++number) {
         auto& [list, bits] = points_[number];

@@ -3,6 +3,7 @@
 
 #include <espalier/far/simulation_mesh.h>
 
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -24,6 +25,11 @@ public:
 
     /// Adds the points of a line, its two ends first.
     void addLine(std::span<const Index> points);
+
+    /// Adds images of the points of a group in its partner. A group has one partner, the first one;
+    /// images in others are left out.
+    void addImages(const std::string& name, const std::string& partner,
+                   std::span<const std::array<Index, 2>> images);
 
     /// Returns the groups that have points, in the order in which they began. This must not be used
     /// afterwards.

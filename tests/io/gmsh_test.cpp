@@ -124,5 +124,73 @@ TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     expectRefused(wrong, "a block has 9 elements, but 6 are left");
 }
 
+/// A square of two triangles, whose left and right sides are periodic, in version 2 or 4.1. Nodes
+/// go around from the corner at the left and down.
+std::string periodicSquare(bool isVersion4, const std::string& affine) {
+    const std::string names =
+        "$PhysicalNames\n3\n1 1 \"left\"\n1 2 \"right\"\n2 3 \"plane\"\n"
+        "$EndPhysicalNames\n";
+    if (!isVersion4)
+        return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names +
+               "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
+               "$Elements\n4\n1 1 2 1 11 4 1\n2 1 2 2 12 2 3\n3 2 2 3 20 1 2 3\n"
+               "4 2 2 3 20 1 3 4\n$EndElements\n"
+               "$Periodic\n2\n0 2 1\n1\n2 1\n1 12 11\n" +
+               affine + "2\n2 1\n3 4\n$EndPeriodic\n";
+    return "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + names +
+           "$Entities\n0 2 1 0\n11 0 0 0 0 1 0 1 1 0\n12 1 0 0 1 1 0 1 2 0\n"
+           "20 0 0 0 1 1 0 1 3 0\n$EndEntities\n"
+           "$Nodes\n1 4 1 4\n2 20 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n"
+           "$Elements\n3 4 1 4\n1 11 1 1\n1 4 1\n1 12 1 1\n2 2 3\n2 20 2 2\n3 1 2 3\n4 1 3 4\n"
+           "$EndElements\n$Periodic\n2\n0 2 1\n0\n1\n2 1\n1 12 11\n" +
+           affine + "2\n2 1\n3 4\n$EndPeriodic\n";
+}
+
+TEST(Gmsh, PeriodicEntitiesArePartners) {
+    const std::string matrix = "1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n";
+    for (const std::string& file :
+         {periodicSquare(false, ""), periodicSquare(false, "Affine " + matrix),
+          periodicSquare(true, "0\n"), periodicSquare(true, "16 " + matrix)}) {
+        const auto patches = readModel("a.msh", file)->readCells().patches;
+        ASSERT_EQ(patches.size(), 3u);
+        EXPECT_EQ(patches[0].name, "left");
+        EXPECT_EQ(patches[0].partner, "right");
+        EXPECT_THAT(patches[0].images, ElementsAre(std::array{0, 1}, std::array{3, 2}));
+        EXPECT_EQ(patches[1].partner, "left");
+        EXPECT_THAT(patches[1].images, ElementsAre(std::array{1, 0}, std::array{2, 3}));
+        EXPECT_EQ(patches[2].partner, "");
+        EXPECT_THAT(patches[2].images, IsEmpty());
+    }
+    // Entities of one group are partners in it.
+    const auto one =
+        readModel("a.msh", replaced(periodicSquare(false, ""), "1 2 \"right\"", "1 2 \"left\""))
+            ->readCells()
+            .patches;
+    ASSERT_EQ(one.size(), 2u);
+    EXPECT_EQ(one[0].partner, "left");
+    EXPECT_EQ(one[0].images.size(), 2u);
+    // An entity in no group has no patch.
+    const auto none =
+        readModel("a.msh", replaced(periodicSquare(false, ""), "2 1 2 2 12", "2 1 2 0 12"))
+            ->readCells()
+            .patches;
+    EXPECT_EQ(none[0].partner, "");
+}
+
+TEST(Gmsh, MalformedPeriodicEntitiesAreRefused) {
+    for (const bool isVersion4 : {false, true}) {
+        const std::string good = periodicSquare(isVersion4, isVersion4 ? "0\n" : "");
+        const auto refused = [](const std::string& file, const std::string& message) {
+            EXPECT_REFUSED(FileError, message, readModel("a.msh", file)->readCells());
+        };
+        refused(replaced(good, "\n3 4\n$EndP", "\n3 5\n$EndP"), "node 5, which does not exist");
+        refused(replaced(good, "2\n2 1\n3 4\n$EndP", "3\n2 1\n3 4\n$EndP"), "a.msh:");
+        refused(replaced(good, "2\n2 1\n3 4\n$EndP", "99999\n2 1\n3 4\n$EndP"),
+                "the number of periodic nodes is 99999, but only");
+        refused(replaced(good, "$EndPeriodic", "$End"), "a.msh:");
+        refused(replaced(good, "$Periodic\n2", "$Periodic\nx"), "'x'");
+    }
+}
+
 }  // namespace
 }  // namespace espalier::io

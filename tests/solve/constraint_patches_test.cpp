@@ -245,6 +245,69 @@ TEST(ConstraintPatches, PeriodicPatchesStayImages) {
     }
 }
 
+// The images may be given point by point; and the lines of a plane mesh are periodic, too.
+TEST(ConstraintPatches, PeriodicLinesStayImages) {
+    for (const double angle : {0.0, 0.5, 3.0}) {
+        const auto motion = [angle](const Point3& p) {
+            return Point3{std::cos(angle) * p[0] - std::sin(angle) * p[1] + (angle == 0 ? 2 : 0),
+                          std::sin(angle) * p[0] + std::cos(angle) * p[1], p[2]};
+        };
+        Positions rest = {{1, 0, 0.5}, {2, 0, 0.5}, {3, 0, 0.5}};
+        for (int i = 0; i < 3; ++i) rest.push_back(motion(rest[std::size_t(i)]));
+        rest.push_back({1, 2, 0.5});
+        std::vector<far::MeshPatch> patches = {{"a"}, {"b"}};
+        for (Index point = 0; point < 3; ++point) {
+            patches[0].points.push_back(point);
+            patches[1].points.push_back(point + 3);
+            patches[0].images.push_back({point, point + 3});
+            patches[1].images.push_back({point + 3, point});
+        }
+        for (far::MeshPatch& patch : patches) patch.dimension = 1;
+        patches[0].partner = "b";
+        patches[1].partner = "a";
+        EXPECT_EQ(constraintOf(patches[0]), Constraint::Periodic);
+        const ConstraintPatches check(patches, rest);
+        ASSERT_THAT(check.brokenAtRest(), IsEmpty()) << angle;
+        // Across the line, where a turn around it could not be told.
+        Positions pose = rest;
+        pose[1] = {2, 0.25, 0.5};
+        pose[4] = motion(pose[1]);
+        for (const PatchDeviation& deviation : check.check(pose))
+            EXPECT_FALSE(deviation.isBroken) << angle << " " << deviation.distance;
+        pose[4] = motion({2, -0.25, 0.5});
+        ASSERT_EQ(check.check(pose).size(), 2u);
+        for (const PatchDeviation& deviation : check.check(pose)) {
+            EXPECT_TRUE(deviation.isBroken);
+            EXPECT_NEAR(deviation.distance, 0.5, 1e-12);
+        }
+    }
+}
+
+// CGNS gives points without faces, and a family may have the planes on both sides of a mesh.
+TEST(ConstraintPatches, PlanesOfCgns) {
+    far::MeshPatch points{"bottom", "BCSymmetryPlane"};
+    points.points = {0, 1, 2, 3};
+    points.dimension = 2;
+    far::MeshPatch corner = points;
+    corner.points = {0, 1, 2, 4};
+    far::MeshPatch line = points;
+    line.points = {0, 1};
+    const std::vector<far::MeshPatch> patches = {
+        points, patchOf("both", "BCSymmetryPlane", {kBottom, kTop}), corner, line};
+    EXPECT_EQ(constraintOf(points), Constraint::Plane);
+    const ConstraintPatches check(patches, cubeCorners());
+    EXPECT_THAT(check.brokenAtRest(), ElementsAre(2u, 3u));
+    Positions pose = cubeCorners();
+    pose[3][0] = pose[6][1] = 5;
+    for (const PatchDeviation& deviation : check.check(pose)) EXPECT_FALSE(deviation.isBroken);
+    pose[7][2] = 1.25;
+    ASSERT_EQ(check.check(pose).size(), 2u);
+    EXPECT_FALSE(check.check(pose)[0].isBroken);
+    EXPECT_NEAR(check.check(pose)[1].distance, 0.25, 1e-14);
+    pose[3][2] = -0.5;
+    EXPECT_NEAR(check.check(pose)[0].distance, 0.5, 1e-14);
+}
+
 // Two sides of a wedge about the x axis: a point may move in its plane if its mirror image does.
 TEST(ConstraintPatches, WedgesStayMirrorImages) {
     const Positions rest = {{0, 1, 0.25},  {2, 1, 0.25},  {2, 2, 0.5},  {0, 2, 0.5},
