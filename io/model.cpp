@@ -188,7 +188,8 @@ std::vector<ElementCount> uncheckedElements(const ModelCells& cells) {
         {cells.polygons, "faces with more than 4 corners"},
         {cells.facesBeside, "faces of surfaces that are no faces of cells"},
         {cells.unknownElements, "elements of unknown types"},
-        {cells.facesApart, "faces between processes, which have other points in each of the two"}};
+        {cells.facesApart, "faces between processes, which have other points in each of the two"},
+        {cells.missingElements, "elements that boundary conditions name, but no section has"}};
     std::erase_if(all, [](const ElementCount& elements) { return elements.count == 0; });
     return all;
 }

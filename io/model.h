@@ -68,9 +68,9 @@ struct ModelFaces {
 /// and polyhedra, right-handed, in the order of the file; the faces of `surface` triangles and
 /// quadrilaterals of first and second order. `patches` are the patches of OpenFOAM, the markers of
 /// SU2, the physical groups of Gmsh, the references of Medit, the properties of Nastran, the sets
-/// and surfaces of Abaqus, the groups of I-deas, the zones of Fluent and the sections of CGNS, in
-/// the order of the file. A group without a name has one of its dimension and number: "surface 3",
-/// "volume 1".
+/// and surfaces of Abaqus, the groups of I-deas, the zones of Fluent, and the boundary conditions
+/// and sections of CGNS, in the order of the file. A group without a name has one of its dimension
+/// and number: "surface 3", "volume 1".
 struct ModelCells : far::SimulationMesh {
     /// Number of cells of a volume of third order and above, or whose order of points is not known.
     /// They are not in `volume`.
@@ -91,6 +91,9 @@ struct ModelCells : far::SimulationMesh {
     /// Of a decomposed mesh: number of faces between two parts whose points are at different places
     /// in the files of both. They count as faces of the boundary.
     Index facesApart = 0;
+
+    /// Number of elements that boundary conditions of CGNS name, and that no section has.
+    Index missingElements = 0;
 
     bool isOpenFoam = false;  ///< the format of the file
 };

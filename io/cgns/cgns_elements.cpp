@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -49,14 +50,26 @@ std::vector<Index> inVtkOrder(const std::vector<Index>& points) {
 /// Passes the elements of a zone to a visitor.
 class ZoneElements {
 public:
-    ZoneElements(const ZoneFile& file, const Zone& zone, CellVisitor& visitor)
-        : file_(file), zone_(zone), visitor_(visitor) {}
+    ZoneElements(const ZoneFile& file, const Zone& zone,
+                 const std::vector<CgnsCondition>& conditions, const std::set<std::string>& names,
+                 CellVisitor& visitor)
+        : file_(file),
+          zone_(zone),
+          allConditions_(conditions),
+          conditions_(file, conditions),
+          names_(names),
+          visitor_(visitor) {}
 
-    void visit() {
-        if (zone_.isStructured)
+    /// Returns the number of elements of conditions that do not exist.
+    Index visit() {
+        if (zone_.isStructured) {
             visitGrid();
-        else
-            visitSections();
+            visitGridConditions(file_, zone_, allConditions_, visitor_);
+            return 0;
+        }
+        visitSections();
+        visitVertices();
+        return conditions_.missing();
     }
 
 private:
@@ -90,6 +103,32 @@ private:
                                              at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
     }
 
+    /// Passes the points of conditions that name vertices.
+    void visitVertices() {
+        for (const CgnsCondition& condition : allConditions_) {
+            if (condition.place != CgnsCondition::Place::Vertices) continue;
+            visitor_.beginGroups(std::span(&condition.name, 1));
+            std::vector<Index> all = points(condition.numbers);
+            if (condition.isRange) {
+                const Index first = std::min(all[0], all[1]), last = std::max(all[0], all[1]);
+                all.resize(static_cast<std::size_t>(last - first) + 1);
+                std::iota(all.begin(), all.end(), first);
+            }
+            visitor_.patchPoints(condition.dimension, all);
+        }
+    }
+
+    /// Begins the groups of an element: its section, unless a condition has the same name, and its
+    /// conditions.
+    /// \param isFirst true for the first element of a section
+    void beginGroups(const Section& section, std::size_t element, bool isFirst) {
+        if (!conditions_.goTo(static_cast<cgsize_t>(section.first + element)) && !isFirst) return;
+        groups_.clear();
+        if (!names_.contains(section.name)) groups_.push_back(section.name);
+        groups_.insert(groups_.end(), conditions_.names().begin(), conditions_.names().end());
+        visitor_.beginGroups(groups_);
+    }
+
     void visitSections() {
         const std::vector<Section> sections = readSections();
         const bool hasCellsOfFaces = std::ranges::any_of(
@@ -97,19 +136,23 @@ private:
         std::map<cgsize_t, std::vector<Index>> loops;  ///< faces by the numbers of their elements
         for (const Section& section : sections) {
             if (section.type != CGNS_ENUMV(NGON_n)) continue;
-            visitor_.beginGroups(std::span(&section.name, 1));
             for (std::size_t i = 0; i < section.count; ++i) {
                 const std::vector<Index> loop = points(rowOf(section, i));
-                if (hasCellsOfFaces)
-                    loops[static_cast<cgsize_t>(section.first + i)] = loop;
-                else
+                if (!hasCellsOfFaces) {
+                    beginGroups(section, i, i == 0);
                     visitor_.face(loop);
+                    continue;
+                }
+                loops[static_cast<cgsize_t>(section.first + i)] = loop;
+                if (conditions_.goTo(static_cast<cgsize_t>(section.first + i)) || i == 0)
+                    visitor_.beginGroups(conditions_.names());
+                visitor_.patchFace(loop);
             }
         }
         for (const Section& section : sections) {
             if (section.type == CGNS_ENUMV(NGON_n)) continue;
-            visitor_.beginGroups(std::span(&section.name, 1));
             for (std::size_t i = 0; i < section.count; ++i) {
+                beginGroups(section, i, i == 0);
                 auto row = rowOf(section, i);
                 if (section.type == CGNS_ENUMV(NFACE_n)) {
                     visitPolyhedron(row, loops);
@@ -282,13 +325,19 @@ private:
 
     const ZoneFile& file_;
     const Zone& zone_;
+    const std::vector<CgnsCondition>& allConditions_;
+    ElementConditions conditions_;
+    const std::set<std::string>& names_;
     CellVisitor& visitor_;
+    std::vector<std::string> groups_;  ///< of the current element
 };
 
 }  // namespace
 
-void visitElements(const ZoneFile& file, const Zone& zone, CellVisitor& visitor) {
-    ZoneElements(file, zone, visitor).visit();
+Index visitElements(const ZoneFile& file, const Zone& zone,
+                    const std::vector<CgnsCondition>& conditions,
+                    const std::set<std::string>& names, CellVisitor& visitor) {
+    return ZoneElements(file, zone, conditions, names, visitor).visit();
 }
 
 }  // namespace espalier::io

@@ -7,7 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <mutex>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -61,9 +64,15 @@ public:
     }
 
     ModelCells readCells() const override {
-        MeshCells cells;
-        visitCells(cells);
-        return cells.finish(positions_);
+        MeshCells visitor;
+        std::map<std::string, std::string> types;
+        const Index missing = visitCells(visitor, &types);
+        ModelCells cells = visitor.finish(positions_);
+        cells.missingElements = missing;
+        for (far::MeshPatch& patch : cells.patches)
+            if (const auto type = types.find(patch.name); type != types.end())
+                patch.type = type->second;
+        return cells;
     }
 
     std::vector<PointGroup> groups() const override { return groupsOf(readCells().patches); }
@@ -109,11 +118,28 @@ private:
         }
     }
 
-    void visitCells(CellVisitor& visitor) const {
+    /// Passes the elements and boundary conditions of all zones to a visitor.
+    /// \param types gets the types of the conditions, by their names; may be null
+    /// \return the number of elements that conditions name, and that do not exist
+    Index visitCells(CellVisitor& visitor,
+                     std::map<std::string, std::string>* types = nullptr) const {
         const std::lock_guard lock(libraryMutex());
         const TemporaryFile temporary(bytes_);
         const ZoneFile file(path_, temporary.path(), bytes_.size());
-        for (const Zone& zone : zones_) visitElements(file, zone, visitor);
+        std::vector<std::vector<CgnsCondition>> conditions(zones_.size());
+        std::set<std::string> names;
+        for (std::size_t zone = 0; visitor.wantsGroups() && zone < zones_.size(); ++zone) {
+            conditions[zone] = readConditions(file, zones_[zone]);
+            for (const CgnsCondition& condition : conditions[zone]) {
+                names.insert(condition.name);
+                if (types && (*types)[condition.name].empty())
+                    (*types)[condition.name] = condition.type;
+            }
+        }
+        Index missing = 0;
+        for (std::size_t zone = 0; zone < zones_.size(); ++zone)
+            missing += visitElements(file, zones_[zone], conditions[zone], names, visitor);
+        return missing;
     }
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
