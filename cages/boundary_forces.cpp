@@ -149,8 +149,8 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
         double lowest = dot(face.normal, face.centre);
         const double height = lowest;
         if (faces.isPatch[f] != 0) {
-            lowest = std::min(
-                lowest, faces.lowestOfPatch(static_cast<Index>(f), fine, face.normal));
+            lowest =
+                std::min(lowest, faces.lowestOfPatch(static_cast<Index>(f), fine, face.normal));
         } else {
             for (const Index vertex : loops[f])
                 lowest = std::min(lowest, dot(face.normal, fine[vertex]));

@@ -83,7 +83,7 @@ private:
 
     const far::TopologyRefiner& refiner_;
     std::vector<LevelCells> levels_;  ///< level 0, level 1 and, when it is first needed, level 2
-    std::vector<double> weights_;  ///< one per base cell
+    std::vector<double> weights_;     ///< one per base cell
     std::vector<char> isExamined_;
 };
 

@@ -80,9 +80,8 @@ std::optional<Constraint> constraintOf(const far::MeshPatch& patch) {
     for (const char* type : {"symmetry", "symmetryPlane", "wedge", "BCSymmetryPlane"})
         if (patch.type == type) return Constraint::Plane;
     if (patch.type == "empty") return Constraint::Sides;
-    if (!patch.partner.empty() &&
-        (patch.type.empty() || patch.type.starts_with("cyclic") || patch.type == "periodic" ||
-         patch.type == "shadow"))
+    if (!patch.partner.empty() && (patch.type.empty() || patch.type.starts_with("cyclic") ||
+                                   patch.type == "periodic" || patch.type == "shadow"))
         return Constraint::Periodic;
     if (!patch.type.empty() || patch.dimension == 3) return std::nullopt;
     std::string name = patch.name;
