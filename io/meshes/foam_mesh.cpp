@@ -332,11 +332,12 @@ bool haveSameFoamCells(const Path& a, const Path& b) {
         }))
         return true;
     const auto cellsA = readFoamCells(a), cellsB = readFoamCells(b);
-    return std::ranges::equal(cellsA, cellsB, [](const FoamCells& one, const FoamCells& other) {
+    const auto areEqual = [](const FoamCells& one, const FoamCells& other) {
         return std::ranges::equal(one.faces.offsets, other.faces.offsets) &&
                std::ranges::equal(one.faces.values, other.faces.values) &&
                one.owners == other.owners && one.neighbours == other.neighbours;
-    });
+    };
+    return std::equal(cellsA.begin(), cellsA.end(), cellsB.begin(), cellsB.end(), areEqual);
 }
 
 far::VolumeMesh foamVolume(const Path& folder, Index pointCount, FoamCells cells) {

@@ -2,6 +2,7 @@
 #include "openfoam.h"
 
 #include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -224,10 +225,10 @@ private:
     /// \throws FileError unless it has the same parts
     std::vector<Path> targetsIn(const Path& folder) const {
         const FoamCase target = foamTargetOf(folder);
-        const auto folders = [](const Path& file) { return partOf(file).value_or(""); };
-        std::vector<Path> names;
-        for (const PointsFile& file : files_) names.push_back(file.name);
-        if (!target.isDecomposed || !std::ranges::equal(names, target.files, {}, folders, folders))
+        std::vector<std::optional<std::string>> own, theirs;
+        for (const PointsFile& file : files_) own.push_back(partOf(file.name));
+        for (const Path& file : target.files) theirs.push_back(partOf(file));
+        if (!target.isDecomposed || own != theirs)
             throw FileError(folder, concat("is no copy of the decomposed case, with the same ",
                                            "processor folders; write into a copy (cp -r CASE "
                                            "COPY)"));
