@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cages/cage_energy.h"
 
+#include <espalier/far/standard_cells.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
@@ -70,7 +72,7 @@ TEST(CellShapes, isSmallestForCubesAndOfNoScale) {
 
 TEST(CellShapes, measuresScaledJacobians) {
     const Cage cage;
-    const CellShapes shapes(cage.refiner);
+    CellShapes shapes(cage.refiner);
     auto positions = cage.lattice.positions;
     for (const double value : shapes.leastJacobians(positions)) {
         EXPECT_GT(value, 0.1);
@@ -79,6 +81,38 @@ TEST(CellShapes, measuresScaledJacobians) {
     // Turned inside out.
     for (Point3& p : positions) p[0] = -p[0];
     for (const double value : shapes.leastJacobians(positions)) EXPECT_LT(value, 0);
+}
+
+// CellShapes takes the limits of vertices that stay from the level before.
+TEST(CellShapes, measuresEachLevelAtItsLimits) {
+    const Cage cage;
+    std::vector<double> expected(cage.lattice.complex.count(3), 1.0);
+    for (int level = 0; level <= CellShapes::kLevel; ++level) {
+        const std::vector<Point3> vertices =
+            level == 0 ? cage.lattice.positions
+                       : stencils::applyLevelTable(limit::buildVertexLimits(cage.refiner, level),
+                                                   cage.lattice.positions);
+        const far::CellComplex& complex = cage.refiner.level(level).complex;
+        for (Index cell = 0; cell < complex.count(3); ++cell) {
+            Index base = cell;
+            for (int k = level; k > 0; --k)
+                base = cage.refiner.refinement(k).parentOf({3, base}).upper.index;
+            const auto corners = *far::hexahedronVertices(complex, CellId(cell));
+            for (std::size_t corner = 0; corner < 8; ++corner) {
+                std::array<Point3, 3> ways;
+                for (std::size_t i = 0; i < 3; ++i)
+                    ways[i] = normalised(
+                        difference(vertices[corners[far::kHexahedronNeighbours[corner][i]]],
+                                   vertices[corners[corner]]));
+                expected[base] = std::min(expected[base], dot(ways[0], cross(ways[1], ways[2])));
+            }
+        }
+    }
+    const auto found = CellShapes(cage.refiner).leastJacobians(cage.lattice.positions);
+    ASSERT_EQ(found.size(), expected.size());
+    // The weights of limits on two levels differ by rounding.
+    for (std::size_t cell = 0; cell < found.size(); ++cell)
+        EXPECT_NEAR(found[cell], expected[cell], 1e-12);
 }
 
 TEST(EvaluatePlanes, hasTheGradientOfItsEnergy) {

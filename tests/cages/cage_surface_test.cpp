@@ -140,6 +140,11 @@ TEST(CageSurface, limitHullsAreTheBezierPointsOfPatches) {
         }
         ++patches;
         ASSERT_THAT(ofFace, SizeIs(20));
+        const Point3 direction = normalised({1.0 + face % 3, 2.0 - face % 5, 0.5});
+        double lowest = dot(direction, ofFace.front());
+        for (const Point3& point : ofFace) lowest = std::min(lowest, dot(direction, point));
+        ASSERT_NEAR(surface.fineFaces().lowestOfPatch(face, fine, direction), lowest, 1e-12)
+            << "face " << face;
         // The corners of the patches of the four children are on the patch, at its corners and
         // between them.
         for (Index child = 4 * face; child < 4 * face + 4; ++child) {
