@@ -57,8 +57,8 @@ public:
 
     /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of
     /// the three edges of a corner of level 0, 1 or 2.
-    /// \cost O(cells). The first call, or the first call of examine(), also computes the limits of
-    ///       level 2, which take half of the time that all tables of a fit take
+    /// \cost O(cells). The first call of this function or of examine() also computes the limits of
+    ///       level 2
     std::vector<double> leastJacobians(std::span<const Point3> positions);
 
     Index cellCount() const { return static_cast<Index>(weights_.size()); }
