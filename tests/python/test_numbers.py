@@ -126,10 +126,11 @@ OBJECTS = {"Lattice": BOX, "Refiner": espalier.Refiner(BOX), "CompiledTable": TA
 # Arrays of integers.
 INTEGERS = {"cells", "faces", "holes", "texture_corners", "vertices", "changed", "rows", "frozen", "pins", "numbers",
             "pairs", "triangles", "line", "some"}
-# A mesh of tetrahedra is checked in the same way: MeshCheck reads it from a file.
+# A mesh of tetrahedra is checked in the same way: MeshCheck and SlidingPoints read it from a file.
 MESH_CHECK = {"MeshCheck.check": {"points"}, "MeshCheck.largest_step": {"points", "most"},
               "MeshCheck.quality": {"points"}, "MeshCheck.shorten": {"points"},
-              "MeshCheck.solver_errors": {"points"}, "MeshCheck.broken_patches": {"points"}}
+              "MeshCheck.solver_errors": {"points"}, "MeshCheck.broken_patches": {"points"},
+              "SlidingPoints.slide": {"points"}}
 
 
 def real_arguments():
@@ -204,9 +205,11 @@ def test_numbers_that_are_not_finite_are_refused(name, call):
 @pytest.mark.parametrize("name", MESH_CHECK)
 def test_numbers_of_the_checks_of_meshes(name, tmp_path):
     (tmp_path / "mesh.su2").write_text(
-        "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nNMARK= 0\n")
+        "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+        "NMARK= 1\nMARKER_TAG= low\nMARKER_ELEMS= 1\n5 0 2 1\n")
     model = espalier.read_model(tmp_path / "mesh.su2")
-    method = getattr(espalier.MeshCheck(model), name.split(".")[1])
+    owner = espalier.MeshCheck(model) if name.startswith("MeshCheck") else espalier.SlidingPoints(model, ["low"])
+    method = getattr(owner, name.split(".")[1])
     good = {"points": model.positions, "most": 1.0}
     good = {argument: good[argument] for argument in MESH_CHECK[name]}
     method(**good)
