@@ -155,8 +155,10 @@ void visitGridConditions(const ZoneFile& file, const Zone& zone,
                 // The other axis of the plane.
                 Triple end = place;
                 ++end[1 - std::min<std::size_t>(across, 1)];
-                if (end[0] < size[0] && end[1] < size[1])
-                    visitor.patchPoints(1, std::array{at(place), at(end)});
+                if (end[0] < size[0] && end[1] < size[1]) {
+                    const std::array ends = {at(place), at(end)};
+                    visitor.groupSide(1, ends, ends);
+                }
                 return;
             }
             if (place[u] + 1 >= size[u] || place[v] + 1 >= size[v]) return;
@@ -164,8 +166,9 @@ void visitGridConditions(const ZoneFile& file, const Zone& zone,
             ++corners[1][u];
             ++corners[2][u], ++corners[2][v];
             ++corners[3][v];
-            visitor.patchFace(
-                std::array{at(corners[0]), at(corners[1]), at(corners[2]), at(corners[3])});
+            const std::array face = {at(corners[0]), at(corners[1]), at(corners[2]),
+                                     at(corners[3])};
+            visitor.groupSide(2, face, face);
         };
         /// Returns the axis across the faces of a range: one with a single layer, at an end of the
         /// grid if there are several.
@@ -185,7 +188,7 @@ void visitGridConditions(const ZoneFile& file, const Zone& zone,
                  ++point) {
                 checkCancelledEvery(point, 12);
                 if (condition.place == Place::Vertices)
-                    visitor.patchPoints(condition.dimension, std::array{at(placeOf(point))});
+                    visitor.groupPoints(condition.dimension, std::array{at(placeOf(point))});
                 else if (const auto across = acrossOf(placeOf(point), placeOf(point)))
                     visitFace(placeOf(point), *across);
             }
@@ -203,7 +206,7 @@ void visitGridConditions(const ZoneFile& file, const Zone& zone,
                 for (place[0] = low[0]; place[0] <= high[0]; ++place[0]) {
                     checkCancelledEvery(count++, 12);
                     if (hasVertices)
-                        visitor.patchPoints(condition.dimension, std::array{at(place)});
+                        visitor.groupPoints(condition.dimension, std::array{at(place)});
                     // The last vertices along an axis begin no face.
                     const auto isLast = [&](std::size_t axis) {
                         return hasVertices && axis != across && place[axis] == high[axis];

@@ -114,7 +114,7 @@ private:
                 all.resize(static_cast<std::size_t>(last - first) + 1);
                 std::iota(all.begin(), all.end(), first);
             }
-            visitor_.patchPoints(condition.dimension, all);
+            visitor_.groupPoints(condition.dimension, all);
         }
     }
 
@@ -146,7 +146,7 @@ private:
                 loops[static_cast<cgsize_t>(section.first + i)] = loop;
                 if (conditions_.goTo(static_cast<cgsize_t>(section.first + i)) || i == 0)
                     visitor_.beginGroups(conditions_.names());
-                visitor_.patchFace(loop);
+                visitor_.groupSide(2, loop, loop);
             }
         }
         for (const Section& section : sections) {

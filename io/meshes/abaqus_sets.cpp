@@ -259,11 +259,11 @@ void AbaqusSets::visit(CellVisitor& visitor) const {
     for (const Set& set : nodeSets_.all) {
         if (set.isInternal) continue;
         visitor.beginGroups(std::span(&set.name, 1));
-        visitor.groupPoints(set.members);
+        visitor.groupPoints(0, set.members);
     }
     for (const Surface& surface : surfaces_) {
         visitor.beginGroups(std::span(&surface.name, 1));
-        visitor.groupPoints(surface.nodes);
+        visitor.groupPoints(0, surface.nodes);
         for (const auto& [element, side] : surface.sides) visitSide(element, side, visitor);
     }
     visitor.beginGroups({});

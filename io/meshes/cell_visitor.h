@@ -29,8 +29,9 @@ public:
     /// elements belong to none.
     virtual void beginGroups(std::span<const std::string>) {}
 
-    /// Points of these groups that the file names without elements: a set of nodes.
-    virtual void groupPoints(std::span<const Index>) {}
+    /// Points of these groups that the file names without elements.
+    /// \param dimension of the elements that they are points of; 0 for a set of nodes
+    virtual void groupPoints([[maybe_unused]] int dimension, std::span<const Index>) {}
 
     /// A side of a cell that is in these groups, and no element: an edge or a face.
     /// \param dimension 1 or 2
@@ -50,12 +51,8 @@ public:
     /// A face of a surface, in the order around it.
     virtual void face(std::span<const Index> points) = 0;
 
-    /// A face of a cell that is in the current groups, and is no element of its own.
-    virtual void patchFace(std::span<const Index>) {}
-
-    /// Points in the current groups, of which the file does not give the elements.
-    /// \param dimension of the groups
-    virtual void patchPoints([[maybe_unused]] int dimension, std::span<const Index>) {}
+    /// A face of a cell on the boundary, from a format that lists the faces of its cells.
+    virtual void boundaryFace(std::span<const Index>) {}
 
     /// The points of a group are periodic images of the points of another group, or of the same
     /// one. Comes after the elements. \param images points of the group, each with its image

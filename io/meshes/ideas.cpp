@@ -226,7 +226,7 @@ public:
             std::vector<Index> points;
             for (const std::int64_t number : group.nodes)
                 if (const auto node = nodes_.find(number)) points.push_back(*node);
-            visitor.groupPoints(points);
+            visitor.groupPoints(0, points);
         }
         if (visitor.wantsGroups()) visitor.beginGroups({});
     }

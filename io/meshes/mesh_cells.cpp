@@ -79,6 +79,7 @@ void MeshCells::groupSide(int dimension, std::span<const Index> corners,
                           std::span<const Index> points) {
     patches_.add(dimension, points);
     if (dimension == 2) patches_.addFace(corners);
+    if (dimension == 1) patches_.addLine(points);
 }
 
 void MeshCells::cell(far::StandardCell kind, std::span<const Index> points) {
@@ -107,28 +108,14 @@ void MeshCells::face(std::span<const Index> points) {
         ++unknownElements_;
 }
 
-void MeshCells::patchFace(std::span<const Index> points) {
-    patches_.add(2, points);
-    patches_.addFace(points);
-}
-
-void MeshCells::patchPoints(int dimension, std::span<const Index> points) {
-    patches_.add(dimension, points);
-}
-
 void MeshCells::smallCell(int dimension, std::span<const Index> points) {
-    if (dimension == 1) line(points);
-}
-
-void MeshCells::line(std::span<const Index> points) {
-    patches_.add(1, points);
-    patches_.addLine(points);
+    if (dimension == 1) groupSide(1, points, points);
 }
 
 void MeshCells::curvedCell(int dimension, std::span<const Index> points) {
     if (dimension == 3 && !points.empty()) return cell(*far::kindOfCell(points.size()), points);
     if (dimension == 3) ++curvedCells_;
-    if (dimension == 1 && !points.empty()) return line(points);
+    if (dimension == 1 && !points.empty()) return groupSide(1, points, points);
     if (dimension != 2) return;
     if (points.empty()) {
         ++curvedFaces_;

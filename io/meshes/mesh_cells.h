@@ -23,7 +23,9 @@ class ESPALIER_API MeshCells final : public CellVisitor {
 public:
     bool wantsGroups() const override { return true; }
     void beginGroups(std::span<const std::string> names) override { patches_.begin(names); }
-    void groupPoints(std::span<const Index> points) override { patches_.add(0, points); }
+    void groupPoints(int dimension, std::span<const Index> points) override {
+        patches_.add(dimension, points);
+    }
     void groupSide(int dimension, std::span<const Index> corners,
                    std::span<const Index> points) override;
     void cell(far::StandardCell kind, std::span<const Index> points) override;
@@ -32,8 +34,6 @@ public:
     void polyhedron(std::span<const std::vector<Index>> loops) override;
 
     void face(std::span<const Index> points) override;
-    void patchFace(std::span<const Index> points) override;
-    void patchPoints(int dimension, std::span<const Index> points) override;
     void periodic(const std::string& group, const std::string& partner,
                   std::span<const std::array<Index, 2>> images) override {
         patches_.addImages(group, partner, images);
@@ -52,8 +52,6 @@ public:
     ModelCells finish(std::span<const Point3> positions);
 
 private:
-    void line(std::span<const Index> points);
-
     /// Gives the faces of a mesh without a volume, or counts the faces that are no faces of cells.
     void giveFaces(ModelCells& cells, Index pointCount) const;
 

@@ -23,6 +23,7 @@ public:
         faces.corners.insert(faces.corners.end(), points.begin(), points.end());
         faces.endFace();
     }
+    void boundaryFace(std::span<const Index> points) override { face(points); }
     void smallCell(int, std::span<const Index>) override {}
     void curvedCell(int dimension, std::span<const Index>) override {
         cellCount_ += dimension == 3 ? 1 : 0;
