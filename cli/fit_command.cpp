@@ -153,7 +153,7 @@ PointTargets readPointTargets(const FitCommandOptions& options, const io::Model&
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
-    bind::Binding binding = {};  ///< the binding of all these points, without its table
+    bind::BindingStatistics binding = {};  ///< of all these points
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.
@@ -285,6 +285,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind,
         }
     }
     auto bound = bindPoints(bind, points, lattice, stages);
+    const bind::BindingStatistics statistics = bind::statisticsOf(bound);
     const auto carried = carriedTargets(options, bound, pointTargets);
     stencils::StencilTable<double>& table = bound.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
@@ -298,7 +299,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind,
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < pointTargets.targets.size()) pointTargets = pointTargets.select(carried);
-    rows.binding = std::move(bound);
+    rows.binding = statistics;
     return rows;
 }
 
@@ -448,7 +449,7 @@ void runFit(const FitCommandOptions& options) {
     if (!options.common.quiet)
         printFit(options, pointTargets, readCount - pointTargets.targets.size(),
                  keptByBoxOrLattice(options, held, lattice), result);
-    warnOfPointsOutside(bind::statisticsOf(rows.binding), options.common);
+    warnOfPointsOutside(rows.binding, options.common);
 }
 
 }  // namespace

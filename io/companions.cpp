@@ -81,13 +81,9 @@ private:
     const std::map<std::string, fs::path>& filesBeside() {
         if (filesBeside_) return *filesBeside_;
         filesBeside_.emplace();
-        for (fs::directory_iterator entry(top_, unknown_), end; !unknown_ && entry != end;
-             entry.increment(unknown_)) {
-            const fs::path name = entry->path().filename();
-            fs::path& file = (*filesBeside_)[lowerCase(name.string())];
-            // Of several names that differ in their letters alone, the first in order.
-            if (file.empty() || folder_ / name < file) file = folder_ / name;
-        }
+        // Of several names that differ in their letters alone, the first in order.
+        for (const std::string& name : namesIn(top_))
+            filesBeside_->try_emplace(lowerCase(name), folder_ / name);
         return *filesBeside_;
     }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <dirent.h>
 #include <espalier/base/array.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/printable.h>
@@ -11,8 +12,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <deque>
+#include <memory>
+#include <new>
 #include <optional>
 #include <ostream>
+#include <string_view>
 #include <system_error>
 
 #include "descriptor.h"
@@ -103,6 +107,20 @@ void moveToTargets(std::deque<WrittenFile>& written) {
 }
 
 }  // namespace
+
+std::vector<std::string> namesIn(const std::filesystem::path& folder) {
+    errno = 0;
+    const std::unique_ptr<DIR, int (*)(DIR*)> open(opendir(folder.c_str()),
+                                                   [](DIR* each) { return closedir(each); });
+    if (errno == ENOMEM) throw std::bad_alloc();
+    std::vector<std::string> names;
+    if (!open) return names;
+    while (const dirent* entry = readdir(open.get()))
+        if (const std::string_view name = entry->d_name; name != "." && name != "..")
+            names.emplace_back(name);
+    std::ranges::sort(names);
+    return names;
+}
 
 std::string readFile(const fs::path& path) {
     const Descriptor file(

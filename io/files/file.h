@@ -35,6 +35,10 @@ public:
 ///         MemoryLimit allows
 ESPALIER_API std::string readFile(const std::filesystem::path& path);
 
+/// Returns the names of the files and folders in a folder, in order; none if it cannot be read. The
+/// iterators of the standard library end the program if memory runs out.
+std::vector<std::string> namesIn(const std::filesystem::path& folder);
+
 /// Calls `write` with a stream to a new file, and replaces `path` by that file when all of it is on
 /// disk. The stream cannot seek, since it may write to a pipe.
 ///

@@ -49,12 +49,9 @@ struct ProcessorFolder : FoamProcesses {
 /// Returns the folders of the processes of a case, in the order of the processes.
 std::vector<ProcessorFolder> processorFolders(const Path& root) {
     std::vector<ProcessorFolder> folders;
-    std::error_code ignored;
-    for (const auto& entry :
-         std::filesystem::directory_iterator(root.empty() ? Path(".") : root, ignored))
-        if (const auto processes = processesOf(entry.path().filename().string());
-            processes && entry.is_directory(ignored))
-            folders.push_back({*processes, entry.path().filename()});
+    for (const std::string& name : namesIn(root.empty() ? Path(".") : root))
+        if (const auto processes = processesOf(name); processes && isFolder(root / name))
+            folders.push_back({*processes, name});
     std::ranges::sort(folders, [](const ProcessorFolder& a, const ProcessorFolder& b) {
         return std::pair(a.first, a.name) < std::pair(b.first, b.name);
     });

@@ -67,8 +67,8 @@ class Deform(CliTest):
     def test_terminal_shows_progress(self):
         shown = self.shown_on_a_terminal("deform", "model.obj", "--rest", "rest.vtu", "--to",
                                          "pose.vtk", "-o", "out.obj")
-        self.assertIn("binding ...", shown)
-        self.assertIn("binding ... 100 %", shown)
+        self.assertIn("deforming ...", shown)
+        self.assertIn("deforming ... 100 %", shown)
         self.assertTrue(shown.endswith("\r\x1b[K"), "the line is cleared at the end")
 
     def test_quiet_is_silent(self):
