@@ -151,7 +151,7 @@ void runWithPoints(benchmark::State& state, const Compiled& compiled,
 template <class Real>
 void deform(benchmark::State& state, const Tables<double>& tables, int poses, bool withFactors) {
     const ThreadLimit limit(1);
-    bind::Binding binding{tables.table};
+    bind::Binding binding{{tables.table}};
     if (withFactors) binding.factors = tables.factors;
     for (Index row = 0; row < tables.table.rowCount(); ++row)
         binding.points.push_back({0.001 * (row % 1000), 0.5, 0.25});

@@ -34,7 +34,7 @@ TEST(Binding, GradientsOfAnEdge) {
     using stencils::StencilTable;
     const StencilTable<double> along(2, {0, 2, 2}, {0, 1}, {-1, 1});
     const std::vector<Point3> rest = {{5, 0, 0}, {6, 0, 0}}, pose = {{5, 0, 0}, {7, 3, 0}};
-    bind::Binding binding{along};
+    bind::Binding binding{{along}};
     binding.points.resize(2);
     binding.statuses.resize(2);
     binding.rest = rest;
