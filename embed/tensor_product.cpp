@@ -285,12 +285,12 @@ BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> poi
 void bindInGroups(const TensorLattice& lattice, std::span<const Point3> points,
                   const BindingOptions& options, RowSink sink) {
     // A row of a B-spline lattice takes 0.8 kB; a row of a Bézier lattice has every vertex.
-    constexpr Offset kGroupSize = 1 << 10;
+    constexpr Offset kPointsAtOnce = 1 << 10;
     checkedTolerance(options.embedding.tolerance);
     checkPointCount(points);
     const BindingOptions ofGroup = {1, withoutRefusal(options.embedding), options.gradients};
     std::atomic<Offset> done = 0;
-    parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
+    parallelFor(std::ssize(points), kPointsAtOnce, [&](Offset first, Offset last) {
         std::vector<Index> numbers(last - first);
         std::iota(numbers.begin(), numbers.end(), static_cast<Index>(first));
         sink(numbers, bindPoints(lattice, points.subspan(first, last - first), ofGroup));

@@ -131,6 +131,8 @@ private:
 
     void openArchive() {
         const FoamCase found = foamCaseOf(path_);
+        // An archive of bytes that are no case on disk: messages name it, too.
+        const Path root = found.isDecomposed ? found.root : path_;
         decodeFile(path_, [&] {
             const ZipReader zip(bytes_);
             std::vector<std::pair<std::uint64_t, Path>> names;
@@ -141,7 +143,7 @@ private:
             std::ranges::sort(names);
             for (const auto& [order, name] : names) {
                 std::string& room = rooms_.emplace_back();
-                files_.push_back({found.root / name, name, zip.read(name.string(), room), {}});
+                files_.push_back({root / name, name, zip.read(name.string(), room), {}});
             }
         });
         if (files_.empty()) throw FileError(path_, "is an archive without files");
