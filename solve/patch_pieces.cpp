@@ -13,12 +13,12 @@ namespace espalier::solve {
 namespace {
 
 /// The cosine of 50 degrees. A cylinder of eight sides turns by 45 degrees, a prism of six by 60.
-constexpr double kTurns = 0.6427876096865394;
+constexpr double kSmoothCosine = 0.6427876096865394;
 
 /// Returns false if two directions, which may be zero, turn too much.
 bool isSmooth(const Point3& a, const Point3& b) {
     const double sizes = length(a) * length(b);
-    return !(sizes > 0) || dot(a, b) >= kTurns * sizes;
+    return !(sizes > 0) || dot(a, b) >= kSmoothCosine * sizes;
 }
 
 /// Adds the pieces of some faces or lines.
