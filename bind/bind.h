@@ -24,7 +24,7 @@
 // Binding is the result; bindInGroups() makes the rows of some points at a time instead.
 //
 // Read this header, then point_weights.h. embed/ and limit/ do the work; osd/binding_evaluator.h
-// applies a pose, and osd/deform_points.h applies one without a Binding.
+// applies a pose, and osd::deformPoints() there applies one without a Binding.
 //
 // Notation: x' = x + D · (p' − p), where x and p are the points and the lattice at rest, p' is a
 // pose of the lattice, and D the table of the binding.

@@ -318,6 +318,7 @@ void runDeform(const DeformOptions& options) {
     checkTarget(*model, options);
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
+    KeptPatches kept = findKeptPatches(*model, options, stages);
     const bool hasGradients = asksForDirections(*model, options);
     // Few poses need no matrix.
     std::optional<bind::Binding> binding;
@@ -326,7 +327,6 @@ void runDeform(const DeformOptions& options) {
         binding = bindModel(options, *model, rest, stages, hasGradients);
     else
         deformed = deformModel(options, *model, rest, poses, stages, hasGradients);
-    KeptPatches kept = findKeptPatches(*model, options, stages);
     if (!options.common.quiet) kept.measureHeld(options, *model, rest, stages);
     const bool isChecked = !options.common.quiet || options.mesh.isRequired();
     std::optional<MeshCheck> check;

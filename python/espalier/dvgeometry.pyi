@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import DesignVariables, Lattice, Refiner, _Path, _Sparse
-from ._derivatives import Derivatives
 from ._reference_axes import ReferenceAxes
+from ._sensitivities import Sensitivities
 
 _Floats = NDArray[np.float64]
 _Config = str | Sequence[str] | None
 _Bound = ArrayLike | None
 
-class DVGeometry(ReferenceAxes, Derivatives):
+class DVGeometry(ReferenceAxes, Sensitivities):
     DV_listLocal: OrderedDict[str, Any]
     JT: dict[str, _Sparse | None]
     children: OrderedDict[str, DVGeometry]
@@ -113,18 +113,4 @@ class DVGeometry(ReferenceAxes, Derivatives):
     def update(
         self, ptSetName: str, childDelta: bool = True, config: str | None = None
     ) -> _Floats: ...
-    def computeTotalJacobian(self, ptSetName: str, config: str | None = None) -> _Sparse: ...
-    def totalSensitivity(
-        self, dIdpt: ArrayLike, ptSetName: str, comm: Any = None, config: str | None = None
-    ) -> dict[str, _Floats]: ...
-    def totalSensitivityProd(
-        self, vec: Mapping[str, ArrayLike], ptSetName: str, config: str | None = None
-    ) -> _Floats: ...
-    def totalSensitivityTransProd(
-        self, vec: ArrayLike, ptSetName: str, config: str | None = None
-    ) -> dict[str, _Floats]: ...
-    def convertSensitivityToDict(
-        self, dIdx: ArrayLike, out1D: bool = False
-    ) -> dict[str, _Floats]: ...
-    def convertDictToSensitivity(self, dIdxDict: Mapping[str, ArrayLike]) -> _Floats: ...
     def writeTecplot(self, fileName: _Path, solutionTime: float | None = None) -> Path: ...
